@@ -1,0 +1,45 @@
+use serde::{Deserialize, Serialize};
+
+/// How the fuzzy boxes were bounded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Bounds {
+    /// Around the poses of the sample section only. Between samples, and for poses from elsewhere, hits can be missed.
+    Sampled,
+}
+
+/// Everything in a file that is not a bulk array.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Meta {
+    /// Program and version that wrote the file.
+    pub generator: String,
+    /// File name of the source, without its folder.
+    pub source_name: String,
+    /// The options of the bake, as name and value, in a fixed order.
+    pub options: Vec<(String, String)>,
+    /// One name per part row; empty where the source has none.
+    pub part_names: Vec<String>,
+    /// One name per bone row.
+    pub bone_names: Vec<String>,
+    /// One name per clip row.
+    pub clip_names: Vec<String>,
+    /// How the fuzzy boxes were bounded.
+    pub bounds: Bounds,
+    /// Triangles that have no area in any pose: kept in the numbering, in no tree.
+    pub degenerate_triangle_count: u32,
+}
+
+impl Default for Meta {
+    fn default() -> Self {
+        Self {
+            generator: String::new(),
+            source_name: String::new(),
+            options: Vec::new(),
+            part_names: Vec::new(),
+            bone_names: Vec::new(),
+            clip_names: Vec::new(),
+            bounds: Bounds::Sampled,
+            degenerate_triangle_count: 0,
+        }
+    }
+}

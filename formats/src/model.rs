@@ -1,0 +1,100 @@
+use crate::{
+    Meta,
+    rows::{
+        BoneRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterRow, InfluenceRow, KdNodeRow, MorphDeltaRow, MorphSetRow,
+        MorphTargetRow, NodeRow, PartRow, PrimitiveRow, SampleRow, TriangleRow, VertexRow,
+    },
+};
+
+/// What a file was made from, to tell whether it is stale.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Hashes {
+    /// BLAKE3 of the source file and every buffer it refers to.
+    pub source: [u8; 32],
+    /// BLAKE3 of the bake options that change the file.
+    pub options: [u8; 32],
+}
+
+/// Declares the bulk sections once: as owned vectors in [`Model`], as borrowed slices in [`ModelView`].
+macro_rules! sections {
+    ($($(#[doc = $doc:literal])+ $field:ident: $row:ty,)+) => {
+        /// The contents of a file, owned and editable.
+        #[derive(Clone, Debug, Default, PartialEq)]
+        pub struct Model {
+            /// What it was made from.
+            pub hashes: Hashes,
+            /// Names, options, statistics.
+            pub meta: Meta,
+            $($(#[doc = $doc])+ pub $field: Vec<$row>,)+
+        }
+
+        /// The contents of a file, borrowed: what [`read`](crate::read) has checked.
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct ModelView<'a> {
+            /// What it was made from.
+            pub hashes: Hashes,
+            /// Names, options, statistics.
+            pub meta: Meta,
+            $($(#[doc = $doc])+ pub $field: &'a [$row],)+
+        }
+
+        impl Model {
+            /// Borrows everything. The metadata is copied.
+            #[must_use]
+            pub fn view(&self) -> ModelView<'_> {
+                ModelView { hashes: self.hashes, meta: self.meta.clone(), $($field: &self.$field,)+ }
+            }
+        }
+
+        impl ModelView<'_> {
+            /// Copies everything into a model that can be edited.
+            #[must_use]
+            pub fn to_model(&self) -> Model {
+                Model { hashes: self.hashes, meta: self.meta.clone(), $($field: self.$field.to_vec(),)+ }
+            }
+        }
+    };
+}
+
+sections! {
+    /// Parts, in source order.
+    parts: PartRow,
+    /// Primitives, in source order.
+    primitives: PrimitiveRow,
+    /// Vertices and a closing row.
+    vertices: VertexRow,
+    /// Influences of all vertices.
+    influences: InfluenceRow,
+    /// Triangles; a row's index is the triangle's id.
+    triangles: TriangleRow,
+    /// Morph sets.
+    morph_sets: MorphSetRow,
+    /// Morph targets of all sets.
+    morph_targets: MorphTargetRow,
+    /// First delta of each vertex and a closing entry; empty when there are no deltas.
+    morph_first: u32,
+    /// Morph deltas of all vertices.
+    morph_deltas: MorphDeltaRow,
+    /// Nodes, parents first.
+    nodes: NodeRow,
+    /// Bones; the palette has one entry per row.
+    bones: BoneRow,
+    /// Clips.
+    clips: ClipRow,
+    /// Channels of all clips.
+    channels: ChannelRow,
+    /// Key times of all channels, seconds.
+    key_times: f32,
+    /// Key values of all channels.
+    key_values: f32,
+    /// Poses from which the fuzzy boxes were made.
+    samples: SampleRow,
+    /// Clusters.
+    clusters: ClusterRow,
+    /// Bones that move each cluster's vertices.
+    cluster_bones: ClusterBoneRow,
+    /// Nodes of all fuzzy trees.
+    kd_nodes: KdNodeRow,
+    /// Triangle ids in the leaves of all fuzzy trees.
+    references: u32,
+}

@@ -1,0 +1,22 @@
+//! The rows of a file's sections: `#[repr(C)]`, little-endian, no padding, no pointers.
+//!
+//! Indices count rows of the section named in the field's text; [`NONE`] marks an absent index.
+
+mod clip;
+mod cluster;
+mod kd_node;
+mod morph;
+mod part;
+mod skeleton;
+mod vertex;
+
+pub use clip::{ChannelRow, ClipRow, Interpolation, Path, SampleRow};
+pub use cluster::{ClusterBoneRow, ClusterRow};
+pub use kd_node::{KdNode, KdNodeRow, MAX_KD_DEPTH};
+pub use morph::{MorphDeltaRow, MorphSetRow, MorphTargetRow};
+pub use part::{MotionClass, PartRow, PrimitiveRow};
+pub use skeleton::{BoneRow, Local, NodeRow, ROOT_BONE};
+pub use vertex::{InfluenceRow, TriangleRow, VertexRow, WEIGHT_STEP};
+
+/// Marks an index that points nowhere.
+pub const NONE: u32 = u32::MAX;

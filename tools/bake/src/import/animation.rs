@@ -1,0 +1,123 @@
+use restpose_formats::rows::Interpolation;
+pub use restpose_formats::rows::Local;
+
+/// An animated scene as its source describes it, decoded and checked but not yet decided upon.
+///
+/// Guarantee: every index is in range, nodes form a forest, every number is finite, influences are those of the source
+/// (non-negative, with a positive sum, not yet renormalised), triangles are lists of three in winding order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Animation {
+    /// File name of the source, without its folder.
+    pub source_name: String,
+    /// BLAKE3 of the source file and every buffer it refers to.
+    pub source_hash: [u8; 32],
+    /// All nodes; an index here is the node's number in the source.
+    pub nodes: Vec<Node>,
+    /// All meshes; an index here is the mesh's number in the source.
+    pub meshes: Vec<Mesh>,
+    /// All skins; an index here is the skin's number in the source.
+    pub skins: Vec<Skin>,
+    /// All clips; an index here is the animation's number in the source.
+    pub clips: Vec<Clip>,
+    /// What the scene shows, in the order of the source's nodes.
+    pub parts: Vec<Part>,
+}
+
+/// A node of the scene graph.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// Empty where the source has none.
+    pub name: String,
+    /// Parent node.
+    pub parent: Option<usize>,
+    /// Parent from this node, without any clip. Rotations are normalised.
+    pub local: Local,
+    /// Morph weights without any clip: the node's, else its mesh's, else zeros; one per morph target of its mesh.
+    pub weights: Vec<f32>,
+}
+
+/// A mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Empty where the source has none.
+    pub name: String,
+    /// Its primitives that have triangles.
+    pub primitives: Vec<Primitive>,
+    /// Morph targets that every primitive has.
+    pub morph_target_count: usize,
+}
+
+/// The triangles of a mesh that share a vertex list.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Primitive {
+    /// Its number in its mesh in the source.
+    pub source_primitive: usize,
+    /// Rest positions.
+    pub positions: Vec<[f32; 3]>,
+    /// Corners of each triangle; strips and fans unrolled as glTF 2.0 §3.7.2.1 orders them.
+    pub triangles: Vec<[u32; 3]>,
+    /// Per vertex, the skin joints that move it with a weight above zero; empty when the primitive has no joints.
+    pub influences: Vec<Vec<Influence>>,
+    /// Per morph target, the displacement of each vertex.
+    pub morph_targets: Vec<Vec<[f32; 3]>>,
+}
+
+/// The weight of one joint on one vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Influence {
+    /// Index into [`Skin::joints`].
+    pub joint: usize,
+    /// Above zero, decoded, not renormalised.
+    pub weight: f32,
+}
+
+/// A skin.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Skin {
+    /// Empty where the source has none.
+    pub name: String,
+    /// Nodes.
+    pub joints: Vec<usize>,
+    /// Joint space from rest space, per joint: four columns of three. Identity where the source has none.
+    pub inverse_bind: Vec<[[f32; 3]; 4]>,
+}
+
+/// An animation clip.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Clip {
+    /// Empty where the source has none.
+    pub name: String,
+    /// In source order; a node and property appear at most once.
+    pub channels: Vec<Channel>,
+}
+
+/// One animated property.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// Node that it moves.
+    pub node: usize,
+    /// Property that it moves.
+    pub target: ChannelTarget,
+    /// Between keys.
+    pub interpolation: Interpolation,
+    /// Key times, seconds; strictly increasing, at least one.
+    pub times: Vec<f32>,
+    /// `times.len() · values_per_key · width` values; normalised integers are decoded, rotations are as in the source.
+    pub values: Vec<f32>,
+}
+
+/// A property that a channel moves.
+pub use restpose_formats::rows::Path as ChannelTarget;
+
+/// One node's mesh under that node's skin: the unit that is classed and reported.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Node's name, else mesh's name, else `node N`.
+    pub name: String,
+    /// Node.
+    pub node: usize,
+    /// Mesh.
+    pub mesh: usize,
+    /// Skin. Where it is set every vertex has influences, and the node's own transform is ignored (glTF 2.0 §3.7.3.3).
+    pub skin: Option<usize>,
+}
