@@ -5,10 +5,30 @@
 //!
 //! This crate has no threads, clocks or file handles: bytes in, bytes out.
 
+mod aligned_bytes;
+mod check;
+mod error;
 pub mod geom;
+mod header;
 mod meta;
+mod meta_codec;
 mod model;
+mod read;
+mod row_fault;
 pub mod rows;
+mod section;
+mod section_table;
+mod version;
+mod write;
 
+pub use aligned_bytes::AlignedBytes;
+pub use error::FormatError;
+pub use header::{FEATURE_SAMPLED_BOUNDS, Header, KNOWN_REQUIRED_FEATURES, MAGIC};
 pub use meta::{Bounds, Meta};
+pub use meta_codec::{META_LIMIT, MetaFault};
 pub use model::{Hashes, Model, ModelView};
+pub use read::read;
+pub use row_fault::RowFault;
+pub use section::{SECTION_ALIGN, SectionCode, SectionEntry, SectionKind};
+pub use version::FormatVersion;
+pub use write::write;

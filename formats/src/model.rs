@@ -1,8 +1,9 @@
 use crate::{
     Meta,
     rows::{
-        BoneRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterRow, InfluenceRow, KdNodeRow, MorphDeltaRow, MorphSetRow,
-        MorphTargetRow, NodeRow, PartRow, PrimitiveRow, SampleRow, TriangleRow, VertexRow,
+        BoneRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterRow, InfluenceRow, KdNodeRow,
+        MorphDeltaRow, MorphSetRow, MorphTargetRow, NodeRow, PartRow, PrimitiveRow, SampleRow,
+        TriangleRow, VertexRow,
     },
 };
 

@@ -12,10 +12,16 @@ pub struct Aabb {
 
 impl Aabb {
     /// The box that contains nothing; the neutral element of [`Aabb::union`].
-    pub const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
+    pub const EMPTY: Self = Self {
+        min: [f32::INFINITY; 3],
+        max: [f32::NEG_INFINITY; 3],
+    };
 
     /// The box that contains everything.
-    pub const EVERYTHING: Self = Self { min: [f32::NEG_INFINITY; 3], max: [f32::INFINITY; 3] };
+    pub const EVERYTHING: Self = Self {
+        min: [f32::NEG_INFINITY; 3],
+        max: [f32::INFINITY; 3],
+    };
 
     /// The smallest box around `points`; [`Aabb::EMPTY`] for none.
     #[must_use]
@@ -26,7 +32,10 @@ impl Aabb {
     /// This box, grown just enough to contain `point`.
     #[must_use]
     pub fn with_point(self, point: [f32; 3]) -> Self {
-        self.union(Self { min: point, max: point })
+        self.union(Self {
+            min: point,
+            max: point,
+        })
     }
 
     /// The smallest box around both.
@@ -61,7 +70,8 @@ impl Aabb {
     /// True when the whole of `other` lies inside; an empty box lies inside every box.
     #[must_use]
     pub fn contains_box(&self, other: &Self) -> bool {
-        other.is_empty() || (0..3).all(|k| self.min[k] <= other.min[k] && other.max[k] <= self.max[k])
+        other.is_empty()
+            || (0..3).all(|k| self.min[k] <= other.min[k] && other.max[k] <= self.max[k])
     }
 
     /// Surface area in `f64`: no overflow for any finite box. Zero when empty.

@@ -19,14 +19,22 @@ pub fn gamma(n: u32) -> f64 {
 #[must_use]
 pub fn f32_below(x: f64) -> f32 {
     let nearest = x as f32;
-    if f64::from(nearest) > x { nearest.next_down() } else { nearest }
+    if f64::from(nearest) > x {
+        nearest.next_down()
+    } else {
+        nearest
+    }
 }
 
 /// The smallest `f32` that is not below `x`. NaN stays NaN.
 #[must_use]
 pub fn f32_above(x: f64) -> f32 {
     let nearest = x as f32;
-    if f64::from(nearest) < x { nearest.next_up() } else { nearest }
+    if f64::from(nearest) < x {
+        nearest.next_up()
+    } else {
+        nearest
+    }
 }
 
 #[cfg(test)]
@@ -36,10 +44,26 @@ mod tests {
     #[test]
     fn directed_conversion_brackets_the_value() {
         let third = 1.0f64 / 3.0;
-        for x in [third, -third, 1e-50, -1e-50, 1e39, -1e39, 0.0, 1.0, 16_777_217.0] {
+        for x in [
+            third,
+            -third,
+            1e-50,
+            -1e-50,
+            1e39,
+            -1e39,
+            0.0,
+            1.0,
+            16_777_217.0,
+        ] {
             let (below, above) = (f32_below(x), f32_above(x));
-            assert!(f64::from(below) <= x && x <= f64::from(above), "{x}: {below} {above}");
-            assert!(below == above || below.next_up() == above, "{x}: {below} {above} are not neighbours");
+            assert!(
+                f64::from(below) <= x && x <= f64::from(above),
+                "{x}: {below} {above}"
+            );
+            assert!(
+                below == above || below.next_up() == above,
+                "{x}: {below} {above} are not neighbours"
+            );
         }
     }
 

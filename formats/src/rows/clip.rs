@@ -30,7 +30,12 @@ pub enum Path {
 
 impl Path {
     /// All paths, in the order of their numbers.
-    pub const ALL: [Self; 4] = [Self::Translation, Self::Rotation, Self::Scale, Self::Weights];
+    pub const ALL: [Self; 4] = [
+        Self::Translation,
+        Self::Rotation,
+        Self::Scale,
+        Self::Weights,
+    ];
 
     /// The path with this number.
     #[must_use]
@@ -58,7 +63,9 @@ impl Interpolation {
     /// The interpolation with this number.
     #[must_use]
     pub fn from_number(number: u32) -> Option<Self> {
-        Self::ALL.into_iter().find(|interpolation| *interpolation as u32 == number)
+        Self::ALL
+            .into_iter()
+            .find(|interpolation| *interpolation as u32 == number)
     }
 
     /// Values stored per key, in units of the path's width.

@@ -50,11 +50,17 @@ impl KdNodeRow {
         match node {
             KdNode::Inner { axis, split, left } => {
                 debug_assert!(axis < 3 && left <= Self::MAX_INDEX);
-                Self { word0: left << 2 | axis as u32, word1: split.to_bits() }
+                Self {
+                    word0: left << 2 | axis as u32,
+                    word1: split.to_bits(),
+                }
             }
             KdNode::Leaf { first, count } => {
                 debug_assert!(count <= Self::MAX_INDEX);
-                Self { word0: count << 2 | 3, word1: first }
+                Self {
+                    word0: count << 2 | 3,
+                    word1: first,
+                }
             }
         }
     }
@@ -65,9 +71,16 @@ impl KdNodeRow {
     pub fn unpack(self) -> KdNode {
         let axis = (self.word0 & 3) as usize;
         if axis == 3 {
-            KdNode::Leaf { first: self.word1, count: self.word0 >> 2 }
+            KdNode::Leaf {
+                first: self.word1,
+                count: self.word0 >> 2,
+            }
         } else {
-            KdNode::Inner { axis, split: f32::from_bits(self.word1), left: self.word0 >> 2 }
+            KdNode::Inner {
+                axis,
+                split: f32::from_bits(self.word1),
+                left: self.word0 >> 2,
+            }
         }
     }
 }

@@ -45,9 +45,19 @@ impl NodeRow {
     /// A row with this local map.
     #[must_use]
     pub fn new(parent: u32, source_node: u32, local: Local) -> Self {
-        let mut row = Self { parent, source_node, local_kind: Self::TRS, reserved: 0, local: [0.0; 12] };
+        let mut row = Self {
+            parent,
+            source_node,
+            local_kind: Self::TRS,
+            reserved: 0,
+            local: [0.0; 12],
+        };
         match local {
-            Local::Trs { translation, rotation, scale } => {
+            Local::Trs {
+                translation,
+                rotation,
+                scale,
+            } => {
                 row.local[..3].copy_from_slice(&translation);
                 row.local[3..7].copy_from_slice(&rotation);
                 row.local[7..10].copy_from_slice(&scale);

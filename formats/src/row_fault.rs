@@ -1,0 +1,267 @@
+/// The rule that a row breaks. Indices and counts are in rows of the section that the field points into.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RowFault {
+    /// An index points past the end of its section, or of the range that it belongs to.
+    #[error("`{field}` is {found}, expected less than {limit}")]
+    IndexOutOfRange {
+        /// Field.
+        field: &'static str,
+        /// Index.
+        found: u64,
+        /// First index that is too large.
+        limit: u64,
+    },
+    /// An index lies outside the range that it belongs to.
+    #[error("`{field}` is {found}, expected {first} to {last}")]
+    IndexOutsideRange {
+        /// Field.
+        field: &'static str,
+        /// Index.
+        found: u32,
+        /// First index that is allowed.
+        first: u32,
+        /// Last index that is allowed.
+        last: u32,
+    },
+    /// A range reaches past the end of its section.
+    #[error("`{field}` ranges over {count} rows from row {first}, expected to end by row {limit}")]
+    RangeOutOfBounds {
+        /// Field.
+        field: &'static str,
+        /// First row.
+        first: u64,
+        /// Rows.
+        count: u64,
+        /// Rows that there are.
+        limit: u64,
+    },
+    /// A range does not begin where the one before it ends.
+    #[error("`{field}` is {found}, expected {expected}, where the range before it ends")]
+    RangeNotContiguous {
+        /// Field.
+        field: &'static str,
+        /// First row.
+        found: u64,
+        /// First row that is allowed.
+        expected: u64,
+    },
+    /// A range has the wrong number of rows.
+    #[error("`{field}` is {found}, expected {expected}")]
+    Count {
+        /// Field.
+        field: &'static str,
+        /// Count.
+        found: u64,
+        /// Count that the other sections give.
+        expected: u64,
+    },
+    /// A range must not be empty.
+    #[error("`{field}` counts no rows, expected at least one")]
+    EmptyRange {
+        /// Field.
+        field: &'static str,
+    },
+    /// A reserved or unused place is in use.
+    #[error("`{field}` is in use, expected zero")]
+    ReservedNotZero {
+        /// Field.
+        field: &'static str,
+    },
+    /// NaN or infinity.
+    #[error("`{field}` is {found}, expected a finite number")]
+    NotFinite {
+        /// Field.
+        field: &'static str,
+        /// Its value.
+        found: f32,
+    },
+    /// A length below zero.
+    #[error("`{field}` is {found}, expected zero or more")]
+    Negative {
+        /// Field.
+        field: &'static str,
+        /// Its value.
+        found: f32,
+    },
+    /// A number that stands for nothing.
+    #[error("`{field}` is {found}, expected less than {limit}")]
+    UnknownNumber {
+        /// Field.
+        field: &'static str,
+        /// Number.
+        found: u32,
+        /// First number that stands for nothing.
+        limit: u32,
+    },
+    /// A weight outside (0, 1] or not a multiple of the step.
+    #[error("`weight` is {found}, expected above 0, at most 1, and a multiple of 2^-24")]
+    Weight {
+        /// Weight.
+        found: f32,
+    },
+    /// The weights of a vertex do not sum to one.
+    #[error("its weights sum to {found_steps} steps of 2^-24, expected 16777216")]
+    WeightSum {
+        /// Sum in units of 2⁻²⁴.
+        found_steps: u64,
+    },
+    /// A bone moves a vertex twice.
+    #[error("bone {bone} influences it more than once")]
+    RepeatedInfluence {
+        /// Bone row.
+        bone: u32,
+    },
+    /// A parent does not stand before its child.
+    #[error("`parent` is {found}, expected NONE or a row before this one")]
+    ParentNotBefore {
+        /// Parent.
+        found: u32,
+    },
+    /// Bone 0 is not the root bone.
+    #[error("it is bone 0, expected `node` NONE and the identity as `inverse_bind`")]
+    NotRootBone,
+    /// A bone other than 0 has no node.
+    #[error("`node` is NONE, which only bone 0 may have")]
+    SecondRootBone,
+    /// A channel moves a node whose local map is a matrix.
+    #[error("it moves node {node}, whose local map is a matrix")]
+    MatrixNodeAnimated {
+        /// Node row.
+        node: u32,
+    },
+    /// Two channels of a clip move the same thing.
+    #[error("an earlier channel of the clip has the same `target` and `path`")]
+    RepeatedChannel,
+    /// Key times do not increase.
+    #[error("its key times do not increase strictly between keys {key} and {}", key + 1)]
+    TimesNotIncreasing {
+        /// The earlier of the two keys, from the channel's first.
+        key: u64,
+    },
+    /// A clip's time is not that of its keys.
+    #[error("`{field}` is {found}, expected {expected} as its key times say")]
+    ClipTime {
+        /// Field.
+        field: &'static str,
+        /// Time, seconds.
+        found: f32,
+        /// Time by the keys, seconds.
+        expected: f32,
+    },
+    /// A vertex's deltas are not in ascending order of target.
+    #[error("`target` is {found}, expected above {previous}, that of the vertex's delta before it")]
+    TargetsNotAscending {
+        /// Target.
+        found: u32,
+        /// Target before it.
+        previous: u32,
+    },
+    /// A vertex of a part without morph set has deltas.
+    #[error("it belongs to vertex {vertex}, whose part has no morph set")]
+    DeltaWithoutMorphSet {
+        /// Vertex row.
+        vertex: u64,
+    },
+    /// A value is larger than the extent that stands for it.
+    #[error(
+        "`{field}` is {found} on axis {axis}, expected at most {extent} in size, the extent of row {extent_row}"
+    )]
+    BeyondExtent {
+        /// Field.
+        field: &'static str,
+        /// 0, 1 or 2.
+        axis: usize,
+        /// Value.
+        found: f32,
+        /// Extent.
+        extent: f32,
+        /// Row that holds the extent.
+        extent_row: u64,
+    },
+    /// A box holds no point.
+    #[error("`{field}` is empty on axis {axis}: it reaches from {min} to {max}")]
+    EmptyBox {
+        /// Field.
+        field: &'static str,
+        /// 0, 1 or 2.
+        axis: usize,
+        /// Lower end.
+        min: f32,
+        /// Upper end.
+        max: f32,
+    },
+    /// A cluster's bones are not in ascending order.
+    #[error("`bone` is {found}, expected above {previous}, that of the cluster's row before it")]
+    BonesNotAscending {
+        /// Bone row.
+        found: u32,
+        /// Bone row before it.
+        previous: u32,
+    },
+    /// A bone moves vertices of a cluster and is not listed there.
+    #[error("bone {bone} moves vertex {vertex} of the cluster, but is not among its cluster bones")]
+    ClusterBoneMissing {
+        /// Bone row.
+        bone: u32,
+        /// Vertex row.
+        vertex: u32,
+    },
+    /// A bone is listed in a cluster and moves none of its vertices.
+    #[error("bone {bone} moves no vertex of the cluster")]
+    ClusterBoneUnused {
+        /// Bone row.
+        bone: u32,
+    },
+    /// A child does not stand behind its parent.
+    #[error("its left child is node {found}, expected above {own}, its own index")]
+    ChildNotBehind {
+        /// Left child, from the tree's first node.
+        found: u32,
+        /// The node, from the tree's first node.
+        own: u32,
+    },
+    /// A node is the child of two nodes.
+    #[error("its child {child} has another parent")]
+    TwoParents {
+        /// Child, from the tree's first node.
+        child: u32,
+    },
+    /// A node other than the root is nobody's child.
+    #[error("no node has it as a child")]
+    NoParent,
+    /// A path is too long for traversal stacks.
+    #[error("{found} inner nodes lie on the path to it and with it, expected at most {limit}")]
+    TooDeep {
+        /// Inner nodes.
+        found: usize,
+        /// Inner nodes that are allowed.
+        limit: usize,
+    },
+    /// A reference belongs to two leaves.
+    #[error("another leaf holds reference {reference} too")]
+    ReferenceShared {
+        /// Reference, from the tree's first.
+        reference: u32,
+    },
+    /// A reference belongs to no leaf.
+    #[error("no leaf holds it")]
+    ReferenceUnused,
+    /// A triangle belongs to two clusters.
+    #[error("triangle {triangle} also belongs to cluster {other}")]
+    TriangleInTwoClusters {
+        /// Triangle row.
+        triangle: u32,
+        /// Cluster row.
+        other: u32,
+    },
+    /// A triangle belongs to no cluster.
+    #[error("it belongs to no cluster, and its corners are not all equal")]
+    TriangleInNoCluster,
+    /// A degenerate triangle is in a tree.
+    #[error("triangle {triangle} has three equal corners and must not be in a tree")]
+    DegenerateReferenced {
+        /// Triangle row.
+        triangle: u32,
+    },
+}
