@@ -1,1 +1,56 @@
-//! placeholder
+//! Maps a baked `.rpose` file, poses it, and ray traces any pose without rebuilding, refitting or skinning the mesh.
+//!
+//! ```no_run
+//! use restpose_runtime::{Affine, Asset, Ray, Scene};
+//! use std::sync::Arc;
+//!
+//! let asset = Arc::new(Asset::open("character.rpose".as_ref())?);
+//! let mut scene = Scene::new();
+//! let character = scene.add(&asset);
+//! scene.set_transform(character, Affine::from_translation([0.0, 0.0, 5.0]))?;
+//! scene.play(character, asset.clip("walk").expect("the clip is in the file"), 0.25)?;
+//!
+//! let frame = scene.commit();
+//! if let Some(hit) = frame.closest_hit(&Ray::new([0.0, 1.0, 0.0], [0.0, 0.0, 1.0])) {
+//!     let surface = frame.surface(&hit);
+//!     println!("{} m, bone {}", hit.t, asset.model().meta.bone_names[surface.bone as usize]);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # The contract
+//!
+//! For every pose that the file's fuzzy boxes were made for and every ray, [`Frame::closest_hit`] returns the same
+//! triangle, `t` and barycentric coordinates, bit for bit, as testing every triangle of the scene with
+//! [`triangle::PreparedRay::intersect`]. Equal `t` is decided by the lowest instance, then the lowest triangle. A file
+//! baked with sampled bounds was made for the poses of its sample section, under any instance transform; `cluster_frame`
+//! holds the proof.
+
+mod asset;
+/// Tree builders.
+pub mod build;
+mod cluster_frame;
+mod error;
+mod frame;
+mod hit;
+mod map;
+mod pose;
+mod ray;
+mod scene;
+mod stats;
+mod surface;
+mod trace;
+pub mod triangle;
+mod vertex;
+
+pub use asset::Asset;
+pub use cluster_frame::invert_frame;
+pub use error::{OpenError, PoseError};
+pub use frame::{ClusterBounds, Frame};
+pub use hit::{Hit, InstanceId};
+pub use pose::PoseEvaluator;
+pub use ray::Ray;
+pub use restpose_formats::geom::{Aabb, Affine};
+pub use scene::Scene;
+pub use stats::{FrameStats, TraceCounters};
+pub use surface::SurfacePoint;

@@ -1,0 +1,100 @@
+#![expect(unsafe_code, reason = "passes the promise of `map` on to its caller")]
+
+use crate::{OpenError, cluster_frame::vertex_error, map::StoredModel, vertex::rounding_count};
+use restpose_formats::{FormatError, ModelView};
+use std::{io, path::Path};
+
+/// A baked file, checked once, then only read. Any number of instances and threads share it.
+pub struct Asset {
+    model: StoredModel,
+    vertex_error: f64,
+}
+
+impl Asset {
+    /// Reads a file into memory.
+    ///
+    /// # Errors
+    /// [`OpenError::Read`] or, for a damaged or foreign file, [`OpenError::Format`].
+    pub fn open(path: &Path) -> Result<Self, OpenError> {
+        Self::opened(path, StoredModel::open(path))
+    }
+
+    /// Maps a file: pages are read when they are first touched, and shared between processes. The checks that run now
+    /// touch all of them once.
+    ///
+    /// # Safety
+    /// Nobody may change or shorten the file while the asset lives. (Bakes replace a file by renaming a new one over
+    /// it, which leaves the mapped one as it was.)
+    ///
+    /// # Errors
+    /// As [`Asset::open`].
+    pub unsafe fn map(path: &Path) -> Result<Self, OpenError> {
+        // SAFETY: the caller's promise is the one that is asked for.
+        Self::opened(path, unsafe { StoredModel::map(path) })
+    }
+
+    /// Copies a file's bytes, which need no alignment.
+    ///
+    /// # Errors
+    /// Whatever is wrong with them.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        StoredModel::copy(bytes).map(Self::new)
+    }
+
+    fn opened(
+        path: &Path,
+        stored: io::Result<Result<StoredModel, FormatError>>,
+    ) -> Result<Self, OpenError> {
+        match stored {
+            Ok(Ok(model)) => Ok(Self::new(model)),
+            Ok(Err(source)) => Err(OpenError::Format {
+                path: path.into(),
+                source,
+            }),
+            Err(source) => Err(OpenError::Read {
+                path: path.into(),
+                source,
+            }),
+        }
+    }
+
+    fn new(model: StoredModel) -> Self {
+        let vertex_error = vertex_error(rounding_count(model.view()));
+        Self {
+            model,
+            vertex_error,
+        }
+    }
+
+    /// Everything in the file.
+    #[must_use]
+    pub fn model(&self) -> &ModelView<'_> {
+        self.model.view()
+    }
+
+    /// The first clip with this name, as a row of [`ModelView::clips`].
+    #[must_use]
+    pub fn clip(&self, name: &str) -> Option<usize> {
+        self.model()
+            .meta
+            .clip_names
+            .iter()
+            .position(|clip| clip == name)
+    }
+
+    /// Bound of a posed vertex's rounding error, relative to `|X|·|p| + |t|`.
+    pub(crate) fn vertex_error(&self) -> f64 {
+        self.vertex_error
+    }
+}
+
+impl std::fmt::Debug for Asset {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let model = self.model();
+        f.debug_struct("Asset")
+            .field("source", &model.meta.source_name)
+            .field("triangles", &model.triangles.len())
+            .field("bones", &model.bones.len())
+            .finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,383 @@
+//! Cluster frames: how a ray enters a cluster's local space, and by how much the cluster's boxes are widened there.
+//!
+//! # Why no hit is missed
+//!
+//! Notation: `q` is a vertex's fuzzy position, inside the cluster's fuzzy boxes; `X` the cluster frame's and `Xᵢ` the
+//! other bones' maps from rest to world space as stored (`f32`); `v̂` the vertex as the vertex function computes it;
+//! `x ↦ L(x − c_w) + c_l` the map into local space, its twelve `f32` numbers taken as exact. Bars are entry-wise
+//! absolute values, u = 2⁻²⁴. The margin of a cluster for a ray is the sum of what can lie between the exact fuzzy
+//! position and what traversal computes:
+//!
+//! 1. *Palette.* With an instance transform T, `X = fl(T·X°)` differs from the exact product by at most u·N, where
+//!    N = |X| + 2⁻²⁶·|T||X°| also covers the `f64` arithmetic. Likewise each `Xᵢ`.
+//! 2. *Vertex function.* `|v̂ − Σ w T Xᵢ° p| ≤ (u + γₙ)·E` with E the greatest `N·P` over the cluster's bones, P the
+//!    greatest `|p|` that a bone moves. Weights sum to exactly one, so `Σ w T Xᵢ° p = T X° q`.
+//! 3. *Inverse.* `L(X q + t − c_w) + c_l = q + R(q)`, and R is evaluated after the fact, so nothing is assumed of how
+//!    the inverse was found.
+//! 4. *Triangle test.* A hit is an exact hit of a triangle moved by [`VERTEX_ERROR`]·D per axis, D the greatest
+//!    distance per axis from the ray's origin to the cluster's world box.
+//! 5. *Ray.* Transforming origin and direction costs γ₅ and γ₃ times `|L|·D`, for `|t·d|∞ ≤ D` wherever the ray is
+//!    inside the world box; plus u·|c_l|.
+//! 6. *Slabs.* `((plane − o) ∓ margin)·(1/d)` has four roundings, 4u relative to `|plane − o|`.
+//!
+//! 1 to 3 make [`ClusterFrame::margin_local`], fixed for the frame; 4 to 6 are [`RAY_ERROR`]`·D·Σ|L|` and a term in
+//! the size of the local box, added when a ray enters.
+//!
+//! Based on: Higham, *Accuracy and Stability of Numerical Algorithms*, §3; Ize, *Robust BVH Ray Traversal*, JCGT 2(2),
+//! 2013. Differs from Ize: he widens `t` of the far planes by 1 + 2γ; here the plane itself moves by an absolute
+//! length, because the geometry, too, is uncertain by one.
+
+use crate::triangle::VERTEX_ERROR;
+use restpose_formats::{
+    geom::{
+        Aabb, Affine,
+        round::{UNIT_ROUNDOFF, f32_above, f32_below, gamma},
+    },
+    rows::ClusterRow,
+};
+
+/// Cluster frames whose linear part has a greater condition number (Frobenius) are not inverted.
+///
+/// The margin grows with the condition number; at 2¹⁶ it reaches a tenth of the cluster's own size and tree traversal
+/// stops paying.
+const CONDITION_LIMIT: f64 = 65_536.0;
+
+/// Cluster frames that scale by more than this, or by less than its inverse, are not inverted: products with their
+/// entries could underflow to nothing and take the relative error bounds with them.
+const SCALE_LIMIT: f64 = (1u64 << 60) as f64;
+
+/// Ray-dependent part of the margin, per unit of `Σ|L|·D`: triangle test 6u, ray transform γ₅ + γ₃ ≤ 8.1u, slabs 4u,
+/// and the rounding of the margin itself; 24u covers them.
+const RAY_ERROR: f32 = (VERTEX_ERROR + 18.0 * UNIT_ROUNDOFF) as f32;
+
+/// The same in world space, where no ray is transformed: triangle test 6u, slabs 4u; 16u covers them.
+const WORLD_RAY_ERROR: f32 = (VERTEX_ERROR + 10.0 * UNIT_ROUNDOFF) as f32;
+
+/// 2⁻¹⁴⁰: covers what gradual underflow adds to the sums above, at most 2⁻¹⁵⁰ per operation. Taken once in local units
+/// and once times `Σ|L|` for what underflows in world space.
+const UNDERFLOW_FLOOR: f64 = 1.0 / (1u128 << 116) as f64 * UNIT_ROUNDOFF;
+
+/// Relative slack for sums that bound something in `f64`: a few hundred roundings of 2⁻⁵³.
+const F64_SLACK: f64 = 1.0 / (1u64 << 44) as f64;
+
+/// The inverse of a map's linear part in `f64`, rows first, if the map is usable as a cluster frame: finite, within
+/// the limits of scale and condition.
+///
+/// The baker asks the same function which samples bound a cluster's boxes, so baker and runtime agree on which poses
+/// the tree serves; for the others the runtime traces the cluster without its tree.
+#[must_use]
+pub fn invert_frame(frame: &Affine) -> Option<[[f64; 3]; 3]> {
+    let [c0, c1, c2] = [0, 1, 2].map(|k: usize| frame.columns[k].map(f64::from));
+    let cross = |a: [f64; 3], b: [f64; 3]| {
+        [
+            a[1] * b[2] - a[2] * b[1],
+            a[2] * b[0] - a[0] * b[2],
+            a[0] * b[1] - a[1] * b[0],
+        ]
+    };
+    let rows = [cross(c1, c2), cross(c2, c0), cross(c0, c1)];
+    let determinant = c0[0] * rows[0][0] + c0[1] * rows[0][1] + c0[2] * rows[0][2];
+    let inverse = rows.map(|row| row.map(|x| x / determinant));
+    let norm = |m: [[f64; 3]; 3]| m.iter().flatten().map(|x| x * x).sum::<f64>().sqrt();
+    let (forward, backward) = (norm([c0, c1, c2]), norm(inverse));
+    let usable = frame.is_finite()
+        && forward * backward <= CONDITION_LIMIT
+        && forward <= SCALE_LIMIT
+        && backward <= SCALE_LIMIT;
+    usable.then_some(inverse)
+}
+
+/// A bone in this frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PosedBone {
+    /// N of point 1: bounds `|X|` and, times u, the error of X.
+    magnitude: [[f64; 3]; 4],
+}
+
+/// Multiplies the palette by the instance transform; `bones` and `posed` have one entry per bone row.
+pub(crate) fn pose_bones(
+    transform: &Affine,
+    palette: &[Affine],
+    posed: &mut [Affine],
+    bones: &mut [PosedBone],
+) {
+    let identity = *transform == Affine::IDENTITY;
+    let t = transform.columns.map(|column| column.map(f64::from));
+    for ((x, out), bone) in palette.iter().zip(posed).zip(bones) {
+        let x = x.columns.map(|column| column.map(f64::from));
+        let mut magnitude = [[0.0; 3]; 4];
+        for j in 0..4 {
+            for k in 0..3 {
+                let (mut sum, mut bound) = (x[j][k], 0.0);
+                if !identity {
+                    let offset = if j == 3 { t[3][k] } else { 0.0 };
+                    sum = t[0][k] * x[j][0] + t[1][k] * x[j][1] + t[2][k] * x[j][2] + offset;
+                    bound = t[0][k].abs() * x[j][0].abs()
+                        + t[1][k].abs() * x[j][1].abs()
+                        + t[2][k].abs() * x[j][2].abs()
+                        + offset.abs();
+                }
+                out.columns[j][k] = sum as f32;
+                magnitude[j][k] =
+                    f64::from(out.columns[j][k].abs()) + bound / f64::from(1u32 << 26);
+            }
+        }
+        bone.magnitude = magnitude;
+    }
+}
+
+impl PosedBone {
+    pub(crate) const ZERO: Self = Self {
+        magnitude: [[0.0; 3]; 4],
+    };
+
+    /// `N·(|p|, 1)` for points with `|p| ≤ extent`.
+    fn reach(&self, extent: [f64; 3]) -> [f64; 3] {
+        let m = &self.magnitude;
+        std::array::from_fn(|k| {
+            m[0][k] * extent[0] + m[1][k] * extent[1] + m[2][k] * extent[2] + m[3][k]
+        })
+    }
+}
+
+/// A cluster in this frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ClusterFrame {
+    /// Contains every posed vertex of the cluster.
+    pub bounds_world: Aabb,
+    /// The way into local space; `None` where the cluster frame has no usable inverse.
+    pub local: Option<LocalFrame>,
+}
+
+/// `x ↦ linear·(x − center_world) + center_local`, and the margins that go with it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LocalFrame {
+    /// Rows.
+    linear: [[f32; 3]; 3],
+    center_world: [f32; 3],
+    center_local: [f32; 3],
+    /// Points 1 to 3, and the terms of 5 and 6 in the size of the local box.
+    margin_local: [f32; 3],
+    /// [`RAY_ERROR`]`·Σ|L|` per local axis.
+    margin_per_distance: [f32; 3],
+}
+
+/// What [`ClusterFrame::new`] needs beside the cluster's own row.
+pub(crate) struct FramePose<'a> {
+    /// World from rest, per bone row.
+    pub posed: &'a [Affine],
+    pub bones: &'a [PosedBone],
+    /// u + γₙ of the asset's vertex function.
+    pub vertex_error: f64,
+    /// `Σ |weight|·extent` over the morph targets, per axis.
+    pub morph_extent: [f64; 3],
+}
+
+/// Relative error of the vertex function and of the palette entries that it reads, from
+/// [`rounding_count`](crate::vertex::rounding_count).
+pub(crate) fn vertex_error(roundings: u32) -> f64 {
+    (UNIT_ROUNDOFF + gamma(roundings)) * (1.0 + F64_SLACK)
+}
+
+impl ClusterFrame {
+    /// The frame of a cluster, or `None` where it has no usable inverse and must be bounded by its vertices.
+    ///
+    /// `cluster_bones` are the extents of the cluster's bones as (bone, extent).
+    pub(crate) fn new<'b>(
+        cluster: &ClusterRow,
+        cluster_bones: impl Iterator<Item = (usize, &'b [f32; 3])>,
+        pose: &FramePose,
+    ) -> Option<Self> {
+        let frame = &pose.posed[cluster.bone as usize];
+        let inverse = invert_frame(frame)?;
+        let bone = &pose.bones[cluster.bone as usize];
+        let x = frame.columns.map(|column| column.map(f64::from));
+        let (min, max) = (
+            cluster.bounds_local.min.map(f64::from),
+            cluster.bounds_local.max.map(f64::from),
+        );
+        let center: [f64; 3] = std::array::from_fn(|k| 0.5 * (min[k] + max[k]));
+        let half: [f64; 3] = std::array::from_fn(|k| 0.5 * (max[k] - min[k]));
+        let extent: [f64; 3] = std::array::from_fn(|k| min[k].abs().max(max[k].abs()));
+
+        let mut reach = [0.0f64; 3];
+        for (bone, extent) in cluster_bones {
+            let moved = pose.bones[bone].reach(std::array::from_fn(|k| {
+                f64::from(extent[k]) + pose.morph_extent[k]
+            }));
+            reach = std::array::from_fn(|k| reach[k].max(moved[k]));
+        }
+        let frame_reach = bone.reach(extent);
+        // Points 1 and 2, per world axis.
+        let vertex_error: [f64; 3] = std::array::from_fn(|k| {
+            UNIT_ROUNDOFF * frame_reach[k] + pose.vertex_error * reach[k] + UNDERFLOW_FLOOR
+        });
+
+        let mut bounds_world = Aabb::EMPTY;
+        let mut center_world = [0.0f32; 3];
+        for k in 0..3 {
+            let middle = x[0][k] * center[0] + x[1][k] * center[1] + x[2][k] * center[2] + x[3][k];
+            let spread =
+                x[0][k].abs() * half[0] + x[1][k].abs() * half[1] + x[2][k].abs() * half[2];
+            let spread = spread + vertex_error[k] + F64_SLACK * frame_reach[k];
+            center_world[k] = middle as f32;
+            bounds_world.min[k] = f32_below(middle - spread).min(center_world[k]);
+            bounds_world.max[k] = f32_above(middle + spread).max(center_world[k]);
+        }
+
+        let linear = inverse.map(|row| row.map(|entry| entry as f32));
+        let l = linear.map(|row| row.map(f64::from));
+        let from_origin: [f64; 3] = std::array::from_fn(|i| f64::from(center_world[i]) - x[3][i]);
+        let center_local: [f32; 3] = std::array::from_fn(|k| {
+            (inverse[k][0] * from_origin[0]
+                + inverse[k][1] * from_origin[1]
+                + inverse[k][2] * from_origin[2]) as f32
+        });
+
+        let mut margin_local = [0.0f32; 3];
+        let mut margin_per_distance = [0.0f32; 3];
+        for k in 0..3 {
+            // Point 3: R, its rounding in f64 bounded beside it.
+            let (mut residual, mut rounding) = (0.0, 0.0);
+            for j in 0..3 {
+                let (product, bound) = dot_and_bound(l[k], x[j]);
+                residual += (product - if j == k { 1.0 } else { 0.0 }).abs() * extent[j];
+                rounding += (bound + 1.0) * extent[j];
+            }
+            let (offset, bound) = dot_and_bound(l[k], from_origin);
+            residual += (f64::from(center_local[k]) - offset).abs();
+            let origin_bound = dot_and_bound(
+                l[k],
+                std::array::from_fn(|i| f64::from(center_world[i]).abs() + x[3][i].abs()),
+            )
+            .1;
+            rounding += bound + origin_bound + f64::from(center_local[k].abs());
+
+            let (_, moved) = dot_and_bound(l[k], vertex_error);
+            // |c_l| once in point 5; planes of the local box twice the extent in point 6.
+            let box_rounding =
+                16.0 * UNIT_ROUNDOFF * (f64::from(center_local[k].abs()) + extent[k]);
+            let scale = l[k][0].abs() + l[k][1].abs() + l[k][2].abs();
+            let margin = residual
+                + moved
+                + box_rounding
+                + F64_SLACK * rounding
+                + UNDERFLOW_FLOOR * (1.0 + scale);
+            // The last factor: point 6 relative to the margin itself, and its sum with the ray's part.
+            margin_local[k] = f32_above(margin * (1.0 + 8.0 * UNIT_ROUNDOFF));
+            margin_per_distance[k] = f32_above(f64::from(RAY_ERROR) * scale);
+        }
+        let local = LocalFrame {
+            linear,
+            center_world,
+            center_local,
+            margin_local,
+            margin_per_distance,
+        };
+        let finite = local
+            .margin_local
+            .iter()
+            .chain(&local.margin_per_distance)
+            .all(|m| m.is_finite());
+        finite.then_some(Self {
+            bounds_world,
+            local: Some(local),
+        })
+    }
+}
+
+/// `a·b` and `Σ|a||b|`.
+fn dot_and_bound(a: [f64; 3], b: [f64; 3]) -> (f64, f64) {
+    let products: [f64; 3] = std::array::from_fn(|i| a[i] * b[i]);
+    (
+        products.iter().sum(),
+        products.iter().map(|p| p.abs()).sum(),
+    )
+}
+
+/// A ray ready for slab tests and kd-tree steps: the space it is in, and by how much planes are widened there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SlabRay {
+    pub origin: [f32; 3],
+    pub inverse_direction: [f32; 3],
+    /// Each plane counts from this much before it to this much behind it.
+    pub margin: [f32; 3],
+}
+
+/// The greatest distance per axis from `origin` to a point of `bounds`.
+fn distance(origin: [f32; 3], bounds: &Aabb) -> f32 {
+    (0..3).fold(0.0, |far: f32, k| {
+        far.max(bounds.max[k] - origin[k])
+            .max(origin[k] - bounds.min[k])
+    })
+}
+
+impl SlabRay {
+    /// The ray in world space, with the margin that boxes inside `bounds` need (points 4 and 6).
+    pub(crate) fn in_world(origin: [f32; 3], direction: [f32; 3], bounds: &Aabb) -> Self {
+        let margin = WORLD_RAY_ERROR * distance(origin, bounds) + UNDERFLOW_FLOOR as f32;
+        Self {
+            origin,
+            inverse_direction: direction.map(|d| 1.0 / d),
+            margin: [margin; 3],
+        }
+    }
+
+    /// Where the ray may be inside `bounds`, within `range`; `None` when it is nowhere.
+    ///
+    /// Comparisons are written so that a NaN (a ray in the plane of a face, an overflown margin) restricts nothing.
+    #[inline]
+    pub(crate) fn clip(&self, bounds: &Aabb, range: (f32, f32)) -> Option<(f32, f32)> {
+        let (mut enter, mut exit) = range;
+        for k in 0..3 {
+            let low =
+                ((bounds.min[k] - self.origin[k]) - self.margin[k]) * self.inverse_direction[k];
+            let high =
+                ((bounds.max[k] - self.origin[k]) + self.margin[k]) * self.inverse_direction[k];
+            let (near, far) = if self.inverse_direction[k].is_sign_positive() {
+                (low, high)
+            } else {
+                (high, low)
+            };
+            if near > enter {
+                enter = near;
+            }
+            if far < exit {
+                exit = far;
+            }
+        }
+        (enter <= exit).then_some((enter, exit))
+    }
+}
+
+impl LocalFrame {
+    /// The ray in local space, with this cluster's margin for it. `t` is the same in both spaces.
+    #[inline]
+    pub(crate) fn enter(
+        &self,
+        origin: [f32; 3],
+        direction: [f32; 3],
+        bounds_world: &Aabb,
+    ) -> SlabRay {
+        let from_center: [f32; 3] = std::array::from_fn(|k| origin[k] - self.center_world[k]);
+        let product = |v: [f32; 3], k: usize| {
+            let row = self.linear[k];
+            (row[0] * v[0] + row[1] * v[1]) + row[2] * v[2]
+        };
+        let far = distance(origin, bounds_world);
+        SlabRay {
+            origin: std::array::from_fn(|k| product(from_center, k) + self.center_local[k]),
+            inverse_direction: std::array::from_fn(|k| 1.0 / product(direction, k)),
+            margin: std::array::from_fn(|k| {
+                self.margin_local[k] + self.margin_per_distance[k] * far
+            }),
+        }
+    }
+
+    /// The largest part of the margin that does not depend on the ray, relative to nothing: local units.
+    pub(crate) fn largest_margin(&self) -> f32 {
+        self.margin_local
+            .iter()
+            .fold(0.0, |largest: f32, m| largest.max(*m))
+    }
+}

@@ -1,0 +1,87 @@
+use restpose_formats::FormatError;
+use std::path::PathBuf;
+
+/// Why a file was not opened.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OpenError {
+    /// The file cannot be read or mapped.
+    #[error("{path}: cannot read: {source}", path = .path.display())]
+    Read {
+        /// File.
+        path: PathBuf,
+        /// Reason.
+        source: std::io::Error,
+    },
+    /// The file's contents are refused.
+    #[error("{path}: {source}", path = .path.display())]
+    Format {
+        /// File.
+        path: PathBuf,
+        /// Reason.
+        source: FormatError,
+    },
+}
+
+/// Why a pose was not taken. The instance keeps the pose that it had.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PoseError {
+    /// The scene has no such instance.
+    #[error("instance {instance} does not exist: this scene has {count}")]
+    UnknownInstance {
+        /// Instance asked for.
+        instance: usize,
+        /// Instances there are.
+        count: usize,
+    },
+    /// The asset has no such clip.
+    #[error("clip {clip} does not exist: the asset has {count}")]
+    UnknownClip {
+        /// Clip asked for.
+        clip: usize,
+        /// Clips there are.
+        count: usize,
+    },
+    /// The palette has another number of bones than the asset.
+    #[error("the palette has {found} entries, expected {expected}: one per bone row of the asset")]
+    PaletteLength {
+        /// Bones of the asset.
+        expected: usize,
+        /// Entries given.
+        found: usize,
+    },
+    /// There is another number of morph weights than the asset has targets.
+    #[error(
+        "{found} morph weights given, expected {expected}: one per morph target row of the asset"
+    )]
+    MorphWeightsLength {
+        /// Morph targets of the asset.
+        expected: usize,
+        /// Weights given.
+        found: usize,
+    },
+    /// A bone's map has an infinite or NaN entry.
+    #[error("bone {bone} ({name}) has an infinite or NaN entry")]
+    BoneNotFinite {
+        /// Bone row.
+        bone: usize,
+        /// Its name.
+        name: String,
+    },
+    /// A morph weight is infinite or NaN.
+    #[error("morph weight {target} is infinite or NaN")]
+    MorphWeightNotFinite {
+        /// Morph target row.
+        target: usize,
+    },
+    /// The instance transform has an infinite or NaN entry.
+    #[error("the instance transform has an infinite or NaN entry")]
+    TransformNotFinite,
+    /// The clip time is infinite or NaN.
+    #[error("the clip time {seconds} is not finite")]
+    TimeNotFinite {
+        /// Time asked for.
+        seconds: f32,
+    },
+}

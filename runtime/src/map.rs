@@ -1,0 +1,98 @@
+//! Where an asset's bytes live, and the one place that lets a view borrow from its owner.
+#![expect(
+    unsafe_code,
+    reason = "mapping a file, and a view that lives beside the bytes it borrows"
+)]
+
+use memmap2::Mmap;
+use restpose_formats::{FormatError, ModelView, read};
+use std::{fs::File, io, path::Path};
+
+/// 64 bytes on a 64-byte boundary: sections start on such boundaries, relative to the file and so in memory.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct Block([u8; 64]);
+
+/// Bytes that stay where they are and do not change while this lives.
+enum Storage {
+    Mapped(Mmap),
+    Owned { blocks: Box<[Block]>, len: usize },
+}
+
+impl Storage {
+    fn bytes(&self) -> &[u8] {
+        match self {
+            Self::Mapped(map) => map,
+            Self::Owned { blocks, len } => &bytemuck::cast_slice(blocks)[..*len],
+        }
+    }
+
+    fn owned(len: usize, fill: impl FnOnce(&mut [u8]) -> io::Result<()>) -> io::Result<Self> {
+        let mut blocks = vec![Block([0; 64]); len.div_ceil(64)].into_boxed_slice();
+        fill(&mut bytemuck::cast_slice_mut(&mut blocks)[..len])?;
+        Ok(Self::Owned { blocks, len })
+    }
+}
+
+/// A checked file and the memory that it lies in.
+pub(crate) struct StoredModel {
+    /// Borrows from `storage`. Never handed out with this lifetime: see [`StoredModel::view`].
+    view: ModelView<'static>,
+    _storage: Storage,
+}
+
+impl StoredModel {
+    fn new(storage: Storage) -> Result<Self, FormatError> {
+        let bytes: *const [u8] = storage.bytes();
+        // SAFETY: `bytes` points into `storage`: into a mapping or a boxed slice, whose addresses do not change when
+        // `storage` moves. `storage` is kept beside the view, is never changed or handed out, and is dropped with it;
+        // dropping a view reads nothing through it. `view()` shortens the lifetime to that of `self`, so no borrow
+        // outlives the bytes. For a mapping the caller of `map` has promised that nobody changes the file.
+        let view = read(unsafe { &*bytes })?;
+        Ok(Self {
+            view,
+            _storage: storage,
+        })
+    }
+
+    pub(crate) fn view(&self) -> &ModelView<'_> {
+        &self.view
+    }
+
+    /// Copies `bytes` to aligned memory.
+    pub(crate) fn copy(bytes: &[u8]) -> Result<Self, FormatError> {
+        let storage = Storage::owned(bytes.len(), |to| {
+            to.copy_from_slice(bytes);
+            Ok(())
+        });
+        match storage {
+            Ok(storage) => Self::new(storage),
+            Err(never) => unreachable!("copying memory does not fail: {never}"),
+        }
+    }
+
+    /// Reads a file into aligned memory.
+    pub(crate) fn open(path: &Path) -> io::Result<Result<Self, FormatError>> {
+        let mut file = File::open(path)?;
+        let len =
+            usize::try_from(file.metadata()?.len()).map_err(|_| io::ErrorKind::FileTooLarge)?;
+        Ok(Self::new(Storage::owned(len, |to| {
+            io::Read::read_exact(&mut file, to)
+        })?))
+    }
+
+    /// Maps a file.
+    ///
+    /// # Safety
+    /// Nobody changes or shortens the file while the result lives.
+    pub(crate) unsafe fn map(path: &Path) -> io::Result<Result<Self, FormatError>> {
+        let file = File::open(path)?;
+        if file.metadata()?.len() == 0 {
+            // An empty mapping is refused by some systems; an empty file is refused by `read` with a better text.
+            return Ok(Self::copy(&[]));
+        }
+        // SAFETY: the caller promises that the file does not change while the mapping lives.
+        let map = unsafe { Mmap::map(&file)? };
+        Ok(Self::new(Storage::Mapped(map)))
+    }
+}

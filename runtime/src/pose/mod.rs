@@ -1,0 +1,182 @@
+//! Clip playback: node transforms from channels, world transforms from nodes, the palette from bones.
+
+mod curve;
+
+use curve::{Curve, normalized};
+use restpose_formats::{
+    ModelView,
+    geom::Affine,
+    rows::{Local, NONE, Path},
+};
+
+/// World from node, four columns of three.
+type Columns = [[f64; 3]; 4];
+
+/// Evaluates clips; owns the scratch that this takes, so that poses allocate nothing once it has grown.
+#[derive(Debug, Default)]
+pub struct PoseEvaluator {
+    locals: Vec<NodePose>,
+    worlds: Vec<Columns>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum NodePose {
+    Trs {
+        translation: [f64; 3],
+        rotation: [f64; 4],
+        scale: [f64; 3],
+    },
+    Matrix(Columns),
+}
+
+impl PoseEvaluator {
+    /// Writes the pose of `clip` at `seconds`, or the pose without any clip.
+    ///
+    /// Shapes: `palette` gets one map per bone row, asset space from rest space; `morph_weights` one weight per morph
+    /// target row. Computed in `f64`, rounded once.
+    /// Guarantee: the same bits on every platform. Times outside a channel's keys take its first or last value. A clip
+    /// that the model does not have, and a NaN time, give the pose without any clip.
+    pub fn evaluate(
+        &mut self,
+        model: &ModelView,
+        clip: Option<usize>,
+        seconds: f32,
+        palette: &mut Vec<Affine>,
+        morph_weights: &mut Vec<f32>,
+    ) {
+        self.locals.clear();
+        self.locals
+            .extend(model.nodes.iter().map(|row| NodePose::new(row.local())));
+        morph_weights.clear();
+        morph_weights.extend(
+            model
+                .morph_targets
+                .iter()
+                .map(|target| target.default_weight),
+        );
+
+        if let Some(row) = clip
+            .and_then(|clip| model.clips.get(clip))
+            .filter(|_| !seconds.is_nan())
+        {
+            for channel in
+                &model.channels[row.channel_first as usize..][..row.channel_count as usize]
+            {
+                let curve = Curve::new(model, channel);
+                if curve.path() == Path::Weights {
+                    let set = model.morph_sets[channel.target as usize];
+                    for k in 0..set.target_count as usize {
+                        morph_weights[set.target_first as usize + k] =
+                            curve.scalar(seconds, k) as f32;
+                    }
+                } else {
+                    self.locals[channel.target as usize].set(&curve, seconds);
+                }
+            }
+        }
+
+        self.worlds.clear();
+        for (row, local) in model.nodes.iter().zip(&self.locals) {
+            let columns = local.columns();
+            let world = if row.parent == NONE {
+                columns
+            } else {
+                product(&self.worlds[row.parent as usize], &columns)
+            };
+            self.worlds.push(world);
+        }
+
+        palette.clear();
+        palette.extend(model.bones.iter().map(|bone| {
+            if bone.node == NONE {
+                return Affine::IDENTITY;
+            }
+            let inverse_bind: [[f32; 3]; 4] = bytemuck::cast(bone.inverse_bind);
+            let x = product(
+                &self.worlds[bone.node as usize],
+                &inverse_bind.map(|column| column.map(f64::from)),
+            );
+            Affine {
+                columns: x.map(|column| column.map(|entry| entry as f32)),
+            }
+        }));
+    }
+}
+
+impl NodePose {
+    fn new(local: Local) -> Self {
+        match local {
+            Local::Trs {
+                translation,
+                rotation,
+                scale,
+            } => Self::Trs {
+                translation: translation.map(f64::from),
+                rotation: normalized(rotation.map(f64::from)),
+                scale: scale.map(f64::from),
+            },
+            Local::Matrix(columns) => Self::Matrix(columns.map(|column| column.map(f64::from))),
+        }
+    }
+
+    /// Takes a channel's value; a matrix has none that a channel could move.
+    fn set(&mut self, curve: &Curve, seconds: f32) {
+        let Self::Trs {
+            translation,
+            rotation,
+            scale,
+        } = self
+        else {
+            return;
+        };
+        let vector = || std::array::from_fn(|k| curve.scalar(seconds, k));
+        match curve.path() {
+            Path::Translation => *translation = vector(),
+            Path::Rotation => *rotation = curve.rotation(seconds),
+            Path::Scale => *scale = vector(),
+            Path::Weights => {}
+        }
+    }
+
+    /// Translation · rotation · scale (glTF 2.0 §3.5.3).
+    fn columns(&self) -> Columns {
+        match *self {
+            Self::Matrix(columns) => columns,
+            Self::Trs {
+                translation,
+                rotation: [x, y, z, w],
+                scale,
+            } => {
+                let axes = [
+                    [
+                        1.0 - 2.0 * (y * y + z * z),
+                        2.0 * (x * y + z * w),
+                        2.0 * (x * z - y * w),
+                    ],
+                    [
+                        2.0 * (x * y - z * w),
+                        1.0 - 2.0 * (x * x + z * z),
+                        2.0 * (y * z + x * w),
+                    ],
+                    [
+                        2.0 * (x * z + y * w),
+                        2.0 * (y * z - x * w),
+                        1.0 - 2.0 * (x * x + y * y),
+                    ],
+                ];
+                let scaled = |k: usize| axes[k].map(|entry| entry * scale[k]);
+                [scaled(0), scaled(1), scaled(2), translation]
+            }
+        }
+    }
+}
+
+/// `a` after `b`.
+fn product(a: &Columns, b: &Columns) -> Columns {
+    std::array::from_fn(|j| {
+        std::array::from_fn(|k| {
+            let linear = a[0][k] * b[j][0] + a[1][k] * b[j][1] + a[2][k] * b[j][2];
+            if j == 3 { linear + a[3][k] } else { linear }
+        })
+    })
+}

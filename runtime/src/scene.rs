@@ -1,0 +1,303 @@
+use crate::{
+    Aabb, Affine, Asset, Frame, FrameStats, InstanceId, PoseError, PoseEvaluator,
+    build::{KdBuilder, KdSettings, KdTree},
+    cluster_frame::{ClusterFrame, FramePose, PosedBone, pose_bones},
+    vertex::pose_triangle,
+};
+use restpose_formats::{ModelView, rows::ClusterRow};
+use std::sync::Arc;
+
+/// Instances of assets, each with a pose and a transform.
+///
+/// Set poses, then [`commit`](Scene::commit): the [`Frame`] that it returns borrows the scene and answers rays, so a
+/// frame can neither be traced before it is prepared nor changed while it is traced.
+#[derive(Debug, Default)]
+pub struct Scene {
+    pub(crate) instances: Vec<Instance>,
+    /// The clusters of all instances, in order.
+    pub(crate) entries: Vec<Entry>,
+    /// World box of each entry.
+    pub(crate) boxes: Vec<Aabb>,
+    /// Over `boxes`.
+    pub(crate) top_level: KdTree,
+    pub(crate) stats: FrameStats,
+    builder: KdBuilder,
+    evaluator: PoseEvaluator,
+}
+
+/// A cluster of an instance.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Entry {
+    pub instance: u32,
+    pub cluster: u32,
+}
+
+/// An instance: what the caller set, and what the last commit made of it.
+#[derive(Debug)]
+pub(crate) struct Instance {
+    pub asset: Arc<Asset>,
+    transform: Affine,
+    /// Asset space from rest space.
+    palette: Vec<Affine>,
+    pub morph_weights: Vec<f32>,
+    /// World space from rest space.
+    pub posed: Vec<Affine>,
+    bones: Vec<PosedBone>,
+    pub clusters: Vec<ClusterFrame>,
+}
+
+impl Scene {
+    /// A scene with nothing in it.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds an instance at the origin, in the pose without any clip.
+    ///
+    /// # Panics
+    /// With 2³² instances.
+    pub fn add(&mut self, asset: &Arc<Asset>) -> InstanceId {
+        let id =
+            InstanceId(u32::try_from(self.instances.len()).expect("fewer than 2^32 instances"));
+        let mut instance = Instance {
+            asset: Arc::clone(asset),
+            transform: Affine::IDENTITY,
+            palette: Vec::new(),
+            morph_weights: Vec::new(),
+            posed: Vec::new(),
+            bones: Vec::new(),
+            clusters: Vec::new(),
+        };
+        self.evaluator.evaluate(
+            asset.model(),
+            None,
+            0.0,
+            &mut instance.palette,
+            &mut instance.morph_weights,
+        );
+        self.instances.push(instance);
+        id
+    }
+
+    /// Places an instance: world space from asset space. Any finite map, mirrored and singular ones too.
+    ///
+    /// # Errors
+    /// [`PoseError::UnknownInstance`], [`PoseError::TransformNotFinite`].
+    pub fn set_transform(
+        &mut self,
+        instance: InstanceId,
+        world_from_asset: Affine,
+    ) -> Result<(), PoseError> {
+        let instance = self.instance_mut(instance)?;
+        if !world_from_asset.is_finite() {
+            return Err(PoseError::TransformNotFinite);
+        }
+        instance.transform = world_from_asset;
+        Ok(())
+    }
+
+    /// Poses an instance by a clip at a time in seconds. Times outside the clip give its first or last pose.
+    ///
+    /// # Errors
+    /// [`PoseError::UnknownInstance`], [`PoseError::UnknownClip`], [`PoseError::TimeNotFinite`].
+    pub fn play(
+        &mut self,
+        instance: InstanceId,
+        clip: usize,
+        seconds: f32,
+    ) -> Result<(), PoseError> {
+        let count = self.instance_mut(instance)?.asset.model().clips.len();
+        if clip >= count {
+            return Err(PoseError::UnknownClip { clip, count });
+        }
+        if !seconds.is_finite() {
+            return Err(PoseError::TimeNotFinite { seconds });
+        }
+        self.evaluate(instance, Some(clip), seconds)
+    }
+
+    /// Poses an instance as its source stands without any clip.
+    ///
+    /// # Errors
+    /// [`PoseError::UnknownInstance`].
+    pub fn set_default_pose(&mut self, instance: InstanceId) -> Result<(), PoseError> {
+        self.evaluate(instance, None, 0.0)
+    }
+
+    fn evaluate(
+        &mut self,
+        id: InstanceId,
+        clip: Option<usize>,
+        seconds: f32,
+    ) -> Result<(), PoseError> {
+        let count = self.instances.len();
+        let instance = self
+            .instances
+            .get_mut(id.index())
+            .ok_or(PoseError::UnknownInstance {
+                instance: id.index(),
+                count,
+            })?;
+        let asset = Arc::clone(&instance.asset);
+        self.evaluator.evaluate(
+            asset.model(),
+            clip,
+            seconds,
+            &mut instance.palette,
+            &mut instance.morph_weights,
+        );
+        Ok(())
+    }
+
+    /// Poses an instance by the caller's own maps.
+    ///
+    /// Shapes: one map per bone row, one weight per morph target row of the asset.
+    /// Space: asset space from rest space, `world(joint) · inverse_bind` for a joint; bone 0 carries what is static.
+    ///
+    /// # Errors
+    /// One of [`PoseError`]; the instance then keeps its pose.
+    pub fn set_palette(
+        &mut self,
+        instance: InstanceId,
+        palette: &[Affine],
+        morph_weights: &[f32],
+    ) -> Result<(), PoseError> {
+        let instance = self.instance_mut(instance)?;
+        let model = instance.asset.model();
+        let (expected, found) = (model.bones.len(), palette.len());
+        if expected != found {
+            return Err(PoseError::PaletteLength { expected, found });
+        }
+        let (expected, found) = (model.morph_targets.len(), morph_weights.len());
+        if expected != found {
+            return Err(PoseError::MorphWeightsLength { expected, found });
+        }
+        if let Some(bone) = palette.iter().position(|x| !x.is_finite()) {
+            let name = model.meta.bone_names.get(bone).cloned().unwrap_or_default();
+            return Err(PoseError::BoneNotFinite { bone, name });
+        }
+        if let Some(target) = morph_weights.iter().position(|weight| !weight.is_finite()) {
+            return Err(PoseError::MorphWeightNotFinite { target });
+        }
+        instance.palette.copy_from_slice(palette);
+        instance.morph_weights.copy_from_slice(morph_weights);
+        Ok(())
+    }
+
+    /// An instance's palette, as [`Scene::set_palette`] takes it.
+    ///
+    /// # Errors
+    /// [`PoseError::UnknownInstance`].
+    pub fn palette(&self, instance: InstanceId) -> Result<&[Affine], PoseError> {
+        let count = self.instances.len();
+        match self.instances.get(instance.index()) {
+            Some(instance) => Ok(&instance.palette),
+            None => Err(PoseError::UnknownInstance {
+                instance: instance.index(),
+                count,
+            }),
+        }
+    }
+
+    fn instance_mut(&mut self, instance: InstanceId) -> Result<&mut Instance, PoseError> {
+        let count = self.instances.len();
+        self.instances
+            .get_mut(instance.index())
+            .ok_or(PoseError::UnknownInstance {
+                instance: instance.index(),
+                count,
+            })
+    }
+
+    /// Prepares everything that rays need: cluster frames, margins, world boxes and the top-level tree.
+    ///
+    /// Complexity: per bone and cluster, not per triangle, but for clusters whose frame has no usable inverse, whose
+    /// vertices are posed for their bounds. Allocates nothing once its buffers have grown to the scene.
+    pub fn commit(&mut self) -> Frame<'_> {
+        self.entries.clear();
+        self.boxes.clear();
+        self.stats = FrameStats::default();
+        for (index, instance) in self.instances.iter_mut().enumerate() {
+            instance.update();
+            for (cluster, frame) in instance.clusters.iter().enumerate() {
+                self.entries.push(Entry {
+                    instance: index as u32,
+                    cluster: cluster as u32,
+                });
+                self.boxes.push(frame.bounds_world);
+                match &frame.local {
+                    Some(local) => {
+                        self.stats.largest_margin =
+                            self.stats.largest_margin.max(local.largest_margin());
+                    }
+                    None => self.stats.clusters_without_inverse += 1,
+                }
+            }
+        }
+        self.builder
+            .build(&self.boxes, &KdSettings::default(), &mut self.top_level);
+        self.stats.instances = self.instances.len() as u32;
+        self.stats.clusters = self.entries.len() as u32;
+        self.stats.top_level_nodes = self.top_level.nodes.len() as u32;
+        Frame { scene: self }
+    }
+}
+
+impl Instance {
+    fn update(&mut self) {
+        let model = self.asset.model();
+        self.posed.resize(model.bones.len(), Affine::IDENTITY);
+        self.bones.resize(model.bones.len(), PosedBone::ZERO);
+        pose_bones(
+            &self.transform,
+            &self.palette,
+            &mut self.posed,
+            &mut self.bones,
+        );
+
+        let mut morph_extent = [0.0; 3];
+        for (target, weight) in model.morph_targets.iter().zip(&self.morph_weights) {
+            for k in 0..3 {
+                morph_extent[k] += f64::from(weight.abs()) * f64::from(target.extent[k]);
+            }
+        }
+        let pose = FramePose {
+            posed: &self.posed,
+            bones: &self.bones,
+            vertex_error: self.asset.vertex_error(),
+            morph_extent,
+        };
+        self.clusters.clear();
+        self.clusters.extend(model.clusters.iter().map(|cluster| {
+            let rows = &model.cluster_bones[cluster.cluster_bone_first as usize..]
+                [..cluster.cluster_bone_count as usize];
+            ClusterFrame::new(
+                cluster,
+                rows.iter().map(|row| (row.bone as usize, &row.extent)),
+                &pose,
+            )
+            .unwrap_or_else(|| ClusterFrame {
+                bounds_world: bounds_of_vertices(model, cluster, &self.posed, &self.morph_weights),
+                local: None,
+            })
+        }));
+    }
+}
+
+/// The box around a cluster's posed triangles. Vertices that overflowed have no place and hit nothing.
+fn bounds_of_vertices(
+    model: &ModelView,
+    cluster: &ClusterRow,
+    posed: &[Affine],
+    morph_weights: &[f32],
+) -> Aabb {
+    let references =
+        &model.references[cluster.reference_first as usize..][..cluster.reference_count as usize];
+    Aabb::around(
+        references
+            .iter()
+            .flat_map(|triangle| pose_triangle(model, posed, morph_weights, *triangle))
+            .filter(|vertex| vertex.iter().all(|x| x.is_finite())),
+    )
+}

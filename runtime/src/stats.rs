@@ -1,0 +1,63 @@
+/// What one frame holds and cost to prepare.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrameStats {
+    /// Instances in the scene.
+    pub instances: u32,
+    /// Clusters of all instances.
+    pub clusters: u32,
+    /// Clusters whose frame has no usable inverse (scaled to nothing, flattened, near-singular): their triangles were
+    /// posed for their bounds and are all tested by each ray that enters those.
+    pub clusters_without_inverse: u32,
+    /// Nodes of the top-level tree.
+    pub top_level_nodes: u32,
+    /// Largest length by which a cluster's boxes are widened for every ray, in the cluster's rest space. Rounding
+    /// only: what a ray adds in proportion to its distance is not in it.
+    pub largest_margin: f32,
+}
+
+/// What rays cost. Counted only where asked for; sums over rays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TraceCounters {
+    /// Rays traced.
+    pub rays: u64,
+    /// Inner nodes visited, top level and clusters.
+    pub steps: u64,
+    /// Clusters entered.
+    pub clusters_entered: u64,
+    /// Triangles posed and tested.
+    pub triangle_tests: u64,
+}
+
+impl std::ops::AddAssign for TraceCounters {
+    fn add_assign(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.steps += other.steps;
+        self.clusters_entered += other.clusters_entered;
+        self.triangle_tests += other.triangle_tests;
+    }
+}
+
+/// Where traversal reports what it does; `()` counts nothing and costs nothing.
+pub(crate) trait Count {
+    fn ray(&mut self) {}
+    fn step(&mut self) {}
+    fn cluster(&mut self) {}
+    fn triangle(&mut self) {}
+}
+
+impl Count for () {}
+
+impl Count for TraceCounters {
+    fn ray(&mut self) {
+        self.rays += 1;
+    }
+    fn step(&mut self) {
+        self.steps += 1;
+    }
+    fn cluster(&mut self) {
+        self.clusters_entered += 1;
+    }
+    fn triangle(&mut self) {
+        self.triangle_tests += 1;
+    }
+}

@@ -1,0 +1,119 @@
+use crate::{Hit, scene::Instance};
+use restpose_formats::rows::NONE;
+
+/// What was hit, in the source's words.
+///
+/// Numbers are those of the source file; a triangle's number counts within its primitive, strips and fans unrolled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// Part row of the asset; its name is in the metadata.
+    pub part: u32,
+    /// Node that shows the mesh.
+    pub source_node: u32,
+    /// Mesh.
+    pub source_mesh: u32,
+    /// Primitive of the mesh.
+    pub source_primitive: u32,
+    /// Triangle of the primitive.
+    pub source_triangle: u32,
+    /// Bone row with the greatest weight at the point, the lowest of equals; its name is in the metadata.
+    pub bone: u32,
+    /// The point, from the posed corners and the barycentric weights.
+    pub position_world: [f32; 3],
+    /// The same point of the surface in the rest pose, before any morph: where a decal goes.
+    pub position_rest: [f32; 3],
+    /// Geometric normal of the posed triangle, counter-clockwise winding, at length one; zeros where it has no area. A
+    /// mirrored bone turns the winding, and with it this normal.
+    pub normal_world: [f32; 3],
+}
+
+impl SurfacePoint {
+    /// `corners` are the posed corners of the triangle that was hit. Weights and normal in `f64`, rounded once.
+    pub(crate) fn new(hit: &Hit, instance: &Instance, corners: [[f32; 3]; 3]) -> Self {
+        let model = instance.asset.model();
+        let part = model
+            .parts
+            .partition_point(|part| part.triangle_first <= hit.triangle)
+            .saturating_sub(1);
+        let part_row = &model.parts[part];
+        let primitives = &model.primitives[part_row.primitive_first as usize..]
+            [..part_row.primitive_count as usize];
+        let primitive = primitives
+            .partition_point(|row| row.triangle_first <= hit.triangle)
+            .saturating_sub(1);
+        let primitive_row = &primitives[primitive];
+
+        let rows = model.triangles[hit.triangle as usize]
+            .corners
+            .map(|corner| corner as usize);
+        let (u, v) = (f64::from(hit.u), f64::from(hit.v));
+        let weights = [1.0 - u - v, u, v];
+        let blend = |points: [[f32; 3]; 3]| {
+            std::array::from_fn(|k| {
+                (0..3)
+                    .map(|i| weights[i] * f64::from(points[i][k]))
+                    .sum::<f64>() as f32
+            })
+        };
+        Self {
+            part: part as u32,
+            source_node: part_row.source_node,
+            source_mesh: part_row.source_mesh,
+            source_primitive: primitive_row.source_primitive,
+            source_triangle: hit.triangle - primitive_row.triangle_first,
+            bone: dominant_bone(instance, rows, weights),
+            position_world: blend(corners),
+            position_rest: blend(rows.map(|row| model.vertices[row].position_rest)),
+            normal_world: normal(corners),
+        }
+    }
+}
+
+/// The bone with the greatest weight at the point. Quadratic in the influences of three vertices, which are few.
+fn dominant_bone(instance: &Instance, rows: [usize; 3], weights: [f64; 3]) -> u32 {
+    let model = instance.asset.model();
+    let influences = |row: usize| {
+        &model.influences[model.vertices[row].influence_first as usize
+            ..model.vertices[row + 1].influence_first as usize]
+    };
+    let weight_of = |bone: u32| -> f64 {
+        (0..3)
+            .flat_map(|i| {
+                influences(rows[i])
+                    .iter()
+                    .map(move |influence| (i, influence))
+            })
+            .filter(|(_, influence)| influence.bone == bone)
+            .map(|(i, influence)| weights[i] * f64::from(influence.weight))
+            .sum()
+    };
+    let mut best = (NONE, f64::NEG_INFINITY);
+    for bone in rows
+        .iter()
+        .flat_map(|row| influences(*row))
+        .map(|influence| influence.bone)
+    {
+        let weight = weight_of(bone);
+        if weight > best.1 || (weight == best.1 && bone < best.0) {
+            best = (bone, weight);
+        }
+    }
+    best.0
+}
+
+fn normal([a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
+    let edge =
+        |p: [f32; 3]| -> [f64; 3] { std::array::from_fn(|k| f64::from(p[k]) - f64::from(a[k])) };
+    let (e, f) = (edge(b), edge(c));
+    let cross = [
+        e[1] * f[2] - e[2] * f[1],
+        e[2] * f[0] - e[0] * f[2],
+        e[0] * f[1] - e[1] * f[0],
+    ];
+    let length = cross.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if length > 0.0 && length.is_finite() {
+        cross.map(|x| (x / length) as f32)
+    } else {
+        [0.0; 3]
+    }
+}

@@ -1,0 +1,71 @@
+//! The vertex function: the one way in which a vertex of the rest pose becomes a vertex of the current pose.
+
+use restpose_formats::{ModelView, geom::Affine};
+
+/// Poses one vertex.
+///
+/// Morph first: `p = rest + Σ weight·delta` over the vertex's deltas in row order. Then skin: one influence gives
+/// `X·p`, several give `Σ w·(X·p)` in row order, each product rounded as [`Affine::transform_point`] says. All in `f32`
+/// without contraction, so every caller gets the same bits.
+///
+/// `vertex` is a vertex row other than the closing one; `palette` has a map per bone row and `morph_weights` a weight
+/// per morph target row.
+#[inline]
+pub(crate) fn pose_vertex(
+    model: &ModelView,
+    palette: &[Affine],
+    morph_weights: &[f32],
+    vertex: u32,
+) -> [f32; 3] {
+    let index = vertex as usize;
+    let row = model.vertices[index];
+    let mut p = row.position_rest;
+    if !model.morph_first.is_empty() {
+        for delta in &model.morph_deltas
+            [model.morph_first[index] as usize..model.morph_first[index + 1] as usize]
+        {
+            let weight = morph_weights[delta.target as usize];
+            p = std::array::from_fn(|k| p[k] + weight * delta.delta[k]);
+        }
+    }
+    let influences = &model.influences
+        [row.influence_first as usize..model.vertices[index + 1].influence_first as usize];
+    if let [only] = influences {
+        return palette[only.bone as usize].transform_point(p);
+    }
+    influences.iter().fold([0.0; 3], |sum, influence| {
+        let moved = palette[influence.bone as usize].transform_point(p);
+        std::array::from_fn(|k| sum[k] + influence.weight * moved[k])
+    })
+}
+
+/// Poses a triangle's corners. `triangle` is a triangle row.
+#[inline]
+pub(crate) fn pose_triangle(
+    model: &ModelView,
+    palette: &[Affine],
+    morph_weights: &[f32],
+    triangle: u32,
+) -> [[f32; 3]; 3] {
+    model.triangles[triangle as usize]
+        .corners
+        .map(|corner| pose_vertex(model, palette, morph_weights, corner))
+}
+
+/// `f32` roundings on the longest way from a rest position to a posed one: bounds, with
+/// [`gamma`](restpose_formats::geom::round::gamma), the vertex function's error relative to `Σ w·(|X|·|p| + |t|)`.
+///
+/// A morph delta passes its product and up to all later sums; the product with X and its sums are four; the weight is
+/// one; the sum over influences is one each.
+pub(crate) fn rounding_count(model: &ModelView) -> u32 {
+    let longest = |starts: &mut dyn Iterator<Item = u32>| {
+        let mut previous = 0;
+        starts
+            .map(|start| start - std::mem::replace(&mut previous, start))
+            .max()
+            .unwrap_or(0)
+    };
+    let influences = longest(&mut model.vertices.iter().map(|row| row.influence_first));
+    let morphs = longest(&mut model.morph_first.iter().copied());
+    morphs + 1 + 4 + 1 + influences
+}
