@@ -23,8 +23,21 @@ pub struct Fault {
 
 impl std::fmt::Display for Fault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        if self.path.is_empty() { write!(f, "{}", self.message) } else { write!(f, "{}: {}", self.path, self.message) }
+        if self.path.is_empty() {
+            write!(f, "{}", self.message)
+        } else {
+            write!(f, "{}: {}", self.path, self.message)
+        }
     }
+}
+
+/// The names, each with what the user can do about it where we know.
+fn named(extensions: &[String]) -> String {
+    let one = |name: &String| match super::gltf::remedy(name) {
+        Some(remedy) => format!("{name} ({remedy})"),
+        None => name.clone(),
+    };
+    extensions.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
 /// Why a source file was not imported.
@@ -48,7 +61,7 @@ pub enum ImportError {
         found: String,
     },
     /// The file needs extensions that this reader does not have.
-    #[error("{path}: needs glTF extensions that are not supported: {names}", path = .path.display(), names = .extensions.join(", "))]
+    #[error("{path}: needs glTF extensions that are not supported: {names}", path = .path.display(), names = named(.extensions))]
     UnsupportedExtensions {
         /// File.
         path: PathBuf,

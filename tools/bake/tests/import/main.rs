@@ -1,0 +1,3 @@
+//! Import of glTF: one test per row of `tools/IMPORT.md`.
+
+mod scenes;

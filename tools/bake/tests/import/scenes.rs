@@ -1,0 +1,64 @@
+//! Real characters, where the folder with them stands beside the workspace.
+
+use restpose_bake::import::{Animation, import};
+use std::path::{Path, PathBuf};
+
+fn scene(name: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../../shared/scenes")
+        .join(name);
+    path.exists().then_some(path)
+}
+
+fn triangle_count(animation: &Animation) -> usize {
+    let primitives = animation
+        .parts
+        .iter()
+        .flat_map(|part| &animation.meshes[part.mesh].primitives);
+    primitives.map(|primitive| primitive.triangles.len()).sum()
+}
+
+#[test]
+fn fox_has_its_triangles_clips_and_joints() {
+    let Some(path) = scene("fox/Fox.glb") else {
+        return;
+    };
+    let imported = import(&path).unwrap();
+    let animation = imported.animation;
+    assert_eq!(triangle_count(&animation), 576);
+    assert_eq!(
+        animation
+            .clips
+            .iter()
+            .map(|clip| clip.name.as_str())
+            .collect::<Vec<_>>(),
+        ["Survey", "Walk", "Run"]
+    );
+    assert_eq!(animation.skins[0].joints.len(), 24);
+    assert_eq!(
+        (animation.parts.len(), animation.parts[0].skin),
+        (1, Some(0))
+    );
+    assert_eq!(animation.source_name, "Fox.glb");
+    assert_eq!(imported.faults, []);
+}
+
+#[test]
+fn cesium_man_has_its_triangles_clip_and_joints() {
+    let Some(path) = scene("cesium_man/cesium_man.gltf") else {
+        return;
+    };
+    let imported = import(&path).unwrap();
+    let animation = imported.animation;
+    assert_eq!(triangle_count(&animation), 4672);
+    assert_eq!(animation.clips.len(), 1);
+    assert_eq!(animation.clips[0].channels.len(), 57);
+    assert_eq!(animation.skins[0].joints.len(), 19);
+    // A flaw of this file: the weights of 191 vertices sum to as little as 0.18.
+    assert_eq!(imported.faults.len(), 1, "{:?}", imported.faults);
+    assert!(
+        imported.faults[0].message.contains("191 vertices"),
+        "{:?}",
+        imported.faults
+    );
+}
