@@ -300,9 +300,9 @@ pub enum FormatError {
     )]
     DegenerateTriangleCount {
         /// Triangles with three equal corners.
-        expected: u32,
+        expected: u64,
         /// Count in the metadata.
-        found: u32,
+        found: u64,
     },
     /// Nothing to trace.
     #[error(

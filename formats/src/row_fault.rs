@@ -13,16 +13,36 @@ pub enum RowFault {
         limit: u64,
     },
     /// An index lies outside the range that it belongs to.
-    #[error("`{field}` is {found}, expected {first} to {last}")]
+    #[error("`{field}` is {found}, expected {first} or more and less than {limit}")]
     IndexOutsideRange {
         /// Field.
         field: &'static str,
         /// Index.
-        found: u32,
+        found: u64,
         /// First index that is allowed.
-        first: u32,
-        /// Last index that is allowed.
-        last: u32,
+        first: u64,
+        /// First index that is too large.
+        limit: u64,
+    },
+    /// A value that must rise from row to row does not.
+    #[error("`{field}` is {found}, expected above {previous}, that of the row before it")]
+    NotAscending {
+        /// Field.
+        field: &'static str,
+        /// Value.
+        found: u32,
+        /// Value in the row before.
+        previous: u32,
+    },
+    /// A value that must not fall from row to row does.
+    #[error("`{field}` is {found}, expected at least {previous}, that of the row before it")]
+    Descending {
+        /// Field.
+        field: &'static str,
+        /// Value.
+        found: u32,
+        /// Value in the row before.
+        previous: u32,
     },
     /// A range reaches past the end of its section.
     #[error("`{field}` ranges over {count} rows from row {first}, expected to end by row {limit}")]
@@ -149,14 +169,6 @@ pub enum RowFault {
         /// Time by the keys, seconds.
         expected: f32,
     },
-    /// A vertex's deltas are not in ascending order of target.
-    #[error("`target` is {found}, expected above {previous}, that of the vertex's delta before it")]
-    TargetsNotAscending {
-        /// Target.
-        found: u32,
-        /// Target before it.
-        previous: u32,
-    },
     /// A vertex of a part without morph set has deltas.
     #[error("it belongs to vertex {vertex}, whose part has no morph set")]
     DeltaWithoutMorphSet {
@@ -190,14 +202,6 @@ pub enum RowFault {
         min: f32,
         /// Upper end.
         max: f32,
-    },
-    /// A cluster's bones are not in ascending order.
-    #[error("`bone` is {found}, expected above {previous}, that of the cluster's row before it")]
-    BonesNotAscending {
-        /// Bone row.
-        found: u32,
-        /// Bone row before it.
-        previous: u32,
     },
     /// A bone moves vertices of a cluster and is not listed there.
     #[error("bone {bone} moves vertex {vertex} of the cluster, but is not among its cluster bones")]

@@ -1,0 +1,72 @@
+use super::{
+    numbers::{finite, index, reserved},
+    row,
+    tiling::Tiling,
+};
+use crate::{FormatError, ModelView, RowFault, SectionKind, rows::ClusterRow};
+
+/// Clusters tile the tree nodes, references and cluster bones, and have finite boxes. Bones have been checked.
+pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
+    let section = SectionKind::Clusters;
+    let mut nodes = Tiling::new(SectionKind::KdNodes, view.kd_nodes.len());
+    let mut references = Tiling::new(SectionKind::References, view.references.len());
+    let mut bones = Tiling::new(SectionKind::ClusterBones, view.cluster_bones.len());
+    for (at, cluster) in view.clusters.iter().enumerate() {
+        check_fields(view, at, cluster)?;
+        nodes.take(
+            section,
+            at,
+            "node_first",
+            cluster.node_first,
+            cluster.node_count,
+        )?;
+        references.take(
+            section,
+            at,
+            "reference_first",
+            cluster.reference_first,
+            cluster.reference_count,
+        )?;
+        bones.take(
+            section,
+            at,
+            "cluster_bone_first",
+            cluster.cluster_bone_first,
+            cluster.cluster_bone_count,
+        )?;
+    }
+    nodes.finish()?;
+    references.finish()?;
+    bones.finish()
+}
+
+fn check_fields(view: &ModelView<'_>, at: usize, cluster: &ClusterRow) -> Result<(), FormatError> {
+    let section = SectionKind::Clusters;
+    reserved(section, at, "reserved", &cluster.reserved)?;
+    index(section, at, "bone", cluster.bone, view.bones.len())?;
+    if cluster.node_count == 0 {
+        return Err(row(
+            section,
+            at,
+            RowFault::EmptyRange {
+                field: "node_count",
+            },
+        ));
+    }
+    let bounds = cluster.bounds_local;
+    finite(section, at, "bounds_local", &bounds.min)?;
+    finite(section, at, "bounds_local", &bounds.max)?;
+    for axis in 0..3 {
+        let (min, max) = (bounds.min[axis], bounds.max[axis]);
+        if min > max {
+            let fault = RowFault::EmptyBox {
+                field: "bounds_local",
+                axis,
+                min,
+                max,
+            };
+            return Err(row(section, at, fault));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,148 @@
+use super::{
+    numbers::{index, reserved},
+    row,
+    tiling::Tiling,
+};
+use crate::{
+    FormatError, ModelView, RowFault, SectionKind,
+    rows::{MotionClass, NONE, PartRow},
+};
+use std::ops::Range;
+
+/// Parts tile the vertices, triangles and primitives; primitives tile their part's triangles; a triangle's corners
+/// are vertices of its part.
+pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
+    if view.triangles.is_empty() {
+        return Err(FormatError::NoTriangles);
+    }
+    let section = SectionKind::Parts;
+    let mut vertices = Tiling::with_closing_row(SectionKind::Vertices, view.vertices.len());
+    let mut triangles = Tiling::new(SectionKind::Triangles, view.triangles.len());
+    let mut primitives = Tiling::new(SectionKind::Primitives, view.primitives.len());
+    for (at, part) in view.parts.iter().enumerate() {
+        check_fields(view, at, part)?;
+        vertices.take(
+            section,
+            at,
+            "vertex_first",
+            part.vertex_first,
+            part.vertex_count,
+        )?;
+        let of_part = triangles.take(
+            section,
+            at,
+            "triangle_first",
+            part.triangle_first,
+            part.triangle_count,
+        )?;
+        let range = primitives.take(
+            section,
+            at,
+            "primitive_first",
+            part.primitive_first,
+            part.primitive_count,
+        )?;
+        check_primitives(view, range, of_part.clone(), at)?;
+        check_corners(view, part, of_part)?;
+    }
+    vertices.finish()?;
+    triangles.finish()?;
+    primitives.finish()
+}
+
+fn check_fields(view: &ModelView<'_>, at: usize, part: &PartRow) -> Result<(), FormatError> {
+    let section = SectionKind::Parts;
+    reserved(section, at, "reserved", &[part.reserved])?;
+    if MotionClass::from_number(part.class).is_none() {
+        let limit = MotionClass::ALL.len() as u32;
+        let fault = RowFault::UnknownNumber {
+            field: "class",
+            found: part.class,
+            limit,
+        };
+        return Err(row(section, at, fault));
+    }
+    if part.morph_set != NONE {
+        index(
+            section,
+            at,
+            "morph_set",
+            part.morph_set,
+            view.morph_sets.len(),
+        )?;
+    }
+    Ok(())
+}
+
+/// The primitives of part `part` tile its triangles.
+fn check_primitives(
+    view: &ModelView<'_>,
+    primitives: Range<usize>,
+    triangles: Range<usize>,
+    part: usize,
+) -> Result<(), FormatError> {
+    let section = SectionKind::Primitives;
+    let mut next = triangles.start as u64;
+    for at in primitives {
+        let primitive = &view.primitives[at];
+        reserved(section, at, "reserved", &[primitive.reserved])?;
+        let (first, count) = (
+            u64::from(primitive.triangle_first),
+            u64::from(primitive.triangle_count),
+        );
+        let field = "triangle_first";
+        if first != next {
+            let fault = RowFault::RangeNotContiguous {
+                field,
+                found: first,
+                expected: next,
+            };
+            return Err(row(section, at, fault));
+        }
+        next = first + count;
+        if next > triangles.end as u64 {
+            let limit = triangles.end as u64;
+            return Err(row(
+                section,
+                at,
+                RowFault::RangeOutOfBounds {
+                    field,
+                    first,
+                    count,
+                    limit,
+                },
+            ));
+        }
+    }
+    if next == triangles.end as u64 {
+        return Ok(());
+    }
+    let fault = RowFault::Count {
+        field: "triangle_count",
+        found: triangles.len() as u64,
+        expected: next - triangles.start as u64,
+    };
+    Err(row(SectionKind::Parts, part, fault))
+}
+
+fn check_corners(
+    view: &ModelView<'_>,
+    part: &PartRow,
+    triangles: Range<usize>,
+) -> Result<(), FormatError> {
+    let (first, count) = (part.vertex_first, part.vertex_count);
+    for at in triangles {
+        for corner in view.triangles[at].corners {
+            if corner.wrapping_sub(first) >= count {
+                let fault = RowFault::IndexOutsideRange {
+                    field: "corners",
+                    found: u64::from(corner),
+                    first: u64::from(first),
+                    limit: u64::from(first) + u64::from(count),
+                };
+                return Err(row(SectionKind::Triangles, at, fault));
+            }
+        }
+    }
+    Ok(())
+}
