@@ -1,1 +1,42 @@
-//! placeholder
+//! Small glTF scenes of our own making, each from formulas alone.
+//!
+//! Guarantee: the same bytes on every platform and in every build; sines come from `libm`, sums have a fixed order.
+
+pub mod column;
+pub mod figure;
+pub mod gait;
+pub mod gltf_json;
+pub mod gltf_writer;
+pub mod limbs;
+pub mod rotation;
+pub mod skinning;
+pub mod solids;
+pub mod surface;
+pub mod surface_net;
+pub mod tentacle;
+pub mod walker;
+
+use gltf_writer::WriteError;
+
+/// A generated file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneFile {
+    /// Name within `samples/scenes`.
+    pub name: &'static str,
+    /// Contents.
+    pub bytes: Vec<u8>,
+}
+
+/// Every file of `samples/scenes`, generated afresh.
+///
+/// # Errors
+/// [`WriteError`] where a scene cannot be written.
+pub fn scene_files() -> Result<Vec<SceneFile>, WriteError> {
+    let (tentacle, tentacle_buffer) = tentacle::tentacle_gltf_and_bin("tentacle.bin")?;
+    let file = |name, bytes| SceneFile { name, bytes };
+    Ok(vec![
+        file("walker.glb", walker::walker_glb()?),
+        file("tentacle.gltf", tentacle),
+        file("tentacle.bin", tentacle_buffer),
+    ])
+}
