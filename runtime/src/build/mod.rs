@@ -1,0 +1,19 @@
+//! Builders of trees over boxes, and the cost model that they minimise.
+//!
+//! [`KdBuilder`] is the exact sweep; the baker runs it once per cluster over fuzzy boxes, the runtime every frame over
+//! the clusters' world boxes. [`KdTree`] says what a tree promises and checks it, [`sah_cost`] says how good one is.
+
+mod finite_box;
+mod kd_event;
+mod kd_split;
+mod kd_sweep;
+mod kd_tree;
+mod kd_validate;
+mod sah;
+#[cfg(test)]
+mod tests;
+
+pub use kd_sweep::{KdBuilder, MAX_REFERENCE_GROWTH};
+pub use kd_tree::KdTree;
+pub use kd_validate::KdFault;
+pub use sah::{KdSettings, sah_cost};
