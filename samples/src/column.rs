@@ -81,22 +81,14 @@ impl Column {
             component: Component::F32,
             kind: kind_of(N),
             normalized: false,
-            bytes: rows
-                .iter()
-                .flatten()
-                .flat_map(|value| value.to_le_bytes())
-                .collect(),
+            bytes: rows.iter().flatten().flat_map(|value| value.to_le_bytes()).collect(),
             count: rows.len(),
             bounds: bounds.collect(),
         }
     }
 
     /// Rows of integers, which must fit `component`.
-    pub fn integers<const N: usize>(
-        component: Component,
-        normalized: bool,
-        rows: &[[i64; N]],
-    ) -> Column {
+    pub fn integers<const N: usize>(component: Component, normalized: bool, rows: &[[i64; N]]) -> Column {
         let bounds = (0..N).map(|index| {
             let values = rows.iter().map(|row| row[index]);
             let low = values.clone().min().unwrap_or(0);
@@ -143,10 +135,7 @@ impl Column {
 
     /// Matrices, column-major.
     pub fn matrices(values: &[DMat4]) -> Column {
-        let rows: Vec<_> = values
-            .iter()
-            .map(|matrix| matrix.to_cols_array().map(narrow))
-            .collect();
+        let rows: Vec<_> = values.iter().map(|matrix| matrix.to_cols_array().map(narrow)).collect();
         Column::floats(&rows)
     }
 
@@ -193,18 +182,9 @@ mod tests {
 
     #[test]
     fn indices_never_use_the_restart_value() {
-        assert_eq!(
-            Column::indices(&[254], Component::U8).component,
-            Component::U8
-        );
-        assert_eq!(
-            Column::indices(&[255], Component::U8).component,
-            Component::U16
-        );
-        assert_eq!(
-            Column::indices(&[65_535], Component::U16).component,
-            Component::U32
-        );
+        assert_eq!(Column::indices(&[254], Component::U8).component, Component::U8);
+        assert_eq!(Column::indices(&[255], Component::U8).component, Component::U16);
+        assert_eq!(Column::indices(&[65_535], Component::U16).component, Component::U32);
     }
 
     #[test]

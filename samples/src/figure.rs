@@ -21,12 +21,7 @@ pub struct Skeleton {
 
 impl Skeleton {
     /// Adds a node per bone under `parent`, in the pose of `rest` (figure space, one rotation per bone).
-    pub fn add(
-        writer: &mut GltfWriter,
-        parent: usize,
-        bones: Vec<Bone>,
-        rest: &[DQuat],
-    ) -> Skeleton {
+    pub fn add(writer: &mut GltfWriter, parent: usize, bones: Vec<Bone>, rest: &[DQuat]) -> Skeleton {
         let mut nodes = Vec::new();
         for (bone, local) in bones.iter().zip(local_rotations(&bones, rest)) {
             let (parent_node, origin) = match bone.parent {
@@ -92,24 +87,15 @@ impl Skeleton {
         })
     }
 
-    fn tracks(
-        &self,
-        poses: &[Vec<DQuat>],
-        track: impl Fn(usize, Vec<DQuat>) -> Track,
-    ) -> Vec<Track> {
-        let keys: Vec<_> = poses
-            .iter()
-            .map(|pose| local_rotations(&self.bones, pose))
-            .collect();
+    fn tracks(&self, poses: &[Vec<DQuat>], track: impl Fn(usize, Vec<DQuat>) -> Track) -> Vec<Track> {
+        let keys: Vec<_> = poses.iter().map(|pose| local_rotations(&self.bones, pose)).collect();
         let of_bone = |bone: usize| keys.iter().map(|key| key[bone]).collect::<Vec<_>>();
         (0..self.bones.len())
             .map(|bone| (self.nodes[bone], of_bone(bone)))
             .filter(|(_, rotations)| {
                 // Compared as stored, so that rounding in f64 alone makes no track.
                 let first = narrow_rotation(rotations[0]);
-                rotations
-                    .iter()
-                    .any(|&rotation| narrow_rotation(rotation) != first)
+                rotations.iter().any(|&rotation| narrow_rotation(rotation) != first)
             })
             .map(|(node, rotations)| track(node, rotations))
             .collect()
@@ -159,23 +145,5 @@ pub fn add_skinned_surface(
         mesh: Some(mesh),
         skin: Some(skin),
         ..Node::default()
-    })
-}
-
-/// Adds a static mesh of one surface, without normals, so that viewers show its faces flat.
-pub fn add_flat_mesh(
-    writer: &mut GltfWriter,
-    name: &str,
-    surface: &Surface,
-    material: usize,
-) -> usize {
-    let attributes = writer.add_attributes(&[("POSITION", Column::vectors(&surface.positions))]);
-    let mut primitive = primitive(attributes);
-    primitive.indices = Some(writer.add_indices(surface.triangles.as_flattened(), Component::U16));
-    primitive.material = Some(material);
-    writer.add_mesh(Mesh {
-        name: name.to_owned(),
-        primitives: vec![primitive],
-        ..Mesh::default()
     })
 }

@@ -37,10 +37,7 @@ pub fn reach(hip: DVec3, ankle: DVec3, lengths: [f64; 2], knee_sign: f64) -> Leg
     let straight = libm::atan2(back, down);
     let knee = (upper * upper + reached * reached - lower * lower) / (2.0 * upper * reached);
     let upper_angle = straight - knee_sign * libm::acos(knee.clamp(-1.0, 1.0));
-    let (knee_down, knee_back) = (
-        upper * libm::cos(upper_angle),
-        upper * libm::sin(upper_angle),
-    );
+    let (knee_down, knee_back) = (upper * libm::cos(upper_angle), upper * libm::sin(upper_angle));
     let (end_down, end_back) = (reached * libm::cos(straight), reached * libm::sin(straight));
     let lower_angle = libm::atan2(end_back - knee_back, end_down - knee_down);
     LegAngles {

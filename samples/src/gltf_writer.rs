@@ -2,9 +2,8 @@
 
 use crate::column::{Column, Component, narrow};
 use crate::gltf_json::{
-    Accessor, Animation, Asset, Buffer, BufferView, Channel, ChannelTarget, Document, Material,
-    Mesh, Node, Number, PbrMetallicRoughness, Primitive, Sampler, Scene, Skin, Sparse,
-    SparseIndices, SparseValues,
+    Accessor, Animation, Asset, Buffer, BufferView, Channel, ChannelTarget, Document, Material, Mesh, Node, Number,
+    PbrMetallicRoughness, Primitive, Sampler, Scene, Skin, Sparse, SparseIndices, SparseValues,
 };
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -152,9 +151,7 @@ impl GltfWriter {
 
     /// Adds displacements of which only the rows that are not zero are stored.
     pub fn add_sparse_displacements(&mut self, rows: &[[f32; 3]]) -> usize {
-        let moved: Vec<usize> = (0..rows.len())
-            .filter(|&row| rows[row] != [0.0; 3])
-            .collect();
+        let moved: Vec<usize> = (0..rows.len()).filter(|&row| rows[row] != [0.0; 3]).collect();
         let numbers: Vec<_> = moved.iter().map(|&row| [row as i64]).collect();
         let values: Vec<_> = moved.iter().map(|&row| rows[row]).collect();
         let numbers = Column::integers(Component::U16, false, &numbers);
@@ -268,9 +265,7 @@ impl GltfWriter {
     /// [`WriteError`] where the JSON cannot be written.
     pub fn into_embedded_gltf(mut self) -> Result<Vec<u8>, WriteError> {
         let encoded = STANDARD.encode(&self.buffer);
-        self.finish(Some(format!(
-            "data:application/octet-stream;base64,{encoded}"
-        )));
+        self.finish(Some(format!("data:application/octet-stream;base64,{encoded}")));
         self.text()
     }
 
@@ -357,9 +352,7 @@ pub enum WriteError {
     #[error("the scene's JSON could not be written: {0}")]
     Json(#[from] serde_json::Error),
     /// A length does not fit the 32 bits that the binary form has for it.
-    #[error(
-        "{length} bytes do not fit the 32-bit lengths of a .glb file; write a .gltf with a buffer beside it"
-    )]
+    #[error("{length} bytes do not fit the 32-bit lengths of a .glb file; write a .gltf with a buffer beside it")]
     TooLong {
         /// Bytes.
         length: usize,

@@ -4,10 +4,12 @@
 
 pub mod column;
 pub mod figure;
+pub mod flat_mesh;
 pub mod gait;
 pub mod gltf_json;
 pub mod gltf_writer;
 pub mod limbs;
+pub mod machine;
 pub mod rotation;
 pub mod skinning;
 pub mod solids;
@@ -38,5 +40,6 @@ pub fn scene_files() -> Result<Vec<SceneFile>, WriteError> {
         file("walker.glb", walker::walker_glb()?),
         file("tentacle.gltf", tentacle),
         file("tentacle.bin", tentacle_buffer),
+        file("machine.gltf", machine::machine_gltf()?),
     ])
 }

@@ -32,13 +32,7 @@ fn tree_distance(bones: &[Bone], mut a: usize, mut b: usize) -> usize {
 /// A bone weighs by how much farther its limb is than the nearest one: nothing beyond `band`, scene units. Only the
 /// nearest limb's bone, its neighbours, and bones two joints up or down from it take part, so that one leg does not
 /// pull at the other.
-pub fn influences(
-    body: &Body,
-    bones: &[Bone],
-    point: DVec3,
-    band: f64,
-    limit: usize,
-) -> Vec<(usize, f64)> {
+pub fn influences(body: &Body, bones: &[Bone], point: DVec3, band: f64, limit: usize) -> Vec<(usize, f64)> {
     let mut nearest = vec![f64::INFINITY; bones.len()];
     for limb in &body.limbs {
         nearest[limb.bone] = nearest[limb.bone].min(limb.distance(point));
@@ -82,10 +76,7 @@ fn on_one_line(bones: &[Bone], a: usize, b: usize) -> bool {
 /// Weights as fractions of `whole` that sum to it exactly: each rounded down, the rest given to the largest remainders.
 pub fn quantised(weights: &[f64], whole: u32) -> Vec<u32> {
     let sum: f64 = weights.iter().sum();
-    let exact: Vec<f64> = weights
-        .iter()
-        .map(|weight| weight / sum * f64::from(whole))
-        .collect();
+    let exact: Vec<f64> = weights.iter().map(|weight| weight / sum * f64::from(whole)).collect();
     let mut parts: Vec<u32> = exact.iter().map(|value| value.floor() as u32).collect();
     let mut order: Vec<usize> = (0..parts.len()).collect();
     order.sort_by(|&a, &b| {
@@ -100,15 +91,8 @@ pub fn quantised(weights: &[f64], whole: u32) -> Vec<u32> {
 }
 
 /// `JOINTS_0` and `WEIGHTS_0` of up to four influences per vertex, as bytes and as normalised integers of `component`.
-pub fn four_influence_columns(
-    influences: &[Vec<(usize, f64)>],
-    component: Component,
-) -> [Column; 2] {
-    let whole = if component == Component::U8 {
-        255
-    } else {
-        65_535
-    };
+pub fn four_influence_columns(influences: &[Vec<(usize, f64)>], component: Component) -> [Column; 2] {
+    let whole = if component == Component::U8 { 255 } else { 65_535 };
     let mut joints = Vec::with_capacity(influences.len());
     let mut weights = Vec::with_capacity(influences.len());
     for influences in influences {
@@ -138,10 +122,7 @@ mod tests {
     fn quantised_weights_sum_to_the_whole() {
         assert_eq!(quantised(&[1.0, 1.0, 1.0], 255), [85, 85, 85]);
         assert_eq!(quantised(&[2.0, 2.0, 2.0, 2.0], 255), [64, 64, 64, 63]);
-        assert_eq!(
-            quantised(&[0.7, 0.2, 0.1], 65_535).iter().sum::<u32>(),
-            65_535
-        );
+        assert_eq!(quantised(&[0.7, 0.2, 0.1], 65_535).iter().sum::<u32>(), 65_535);
     }
 
     #[test]

@@ -48,10 +48,7 @@ pub fn circle(radius: f64, y: f64, sides: u32) -> Vec<DVec3> {
 
 /// A solid of revolution about y through `(radius, y)` points that ascend along the outside.
 pub fn lathe(profile: &[(f64, f64)], sides: u32) -> Surface {
-    let rings: Vec<_> = profile
-        .iter()
-        .map(|&(radius, y)| circle(radius, y, sides))
-        .collect();
+    let rings: Vec<_> = profile.iter().map(|&(radius, y)| circle(radius, y, sides)).collect();
     loft(&rings)
 }
 
@@ -59,11 +56,7 @@ pub fn lathe(profile: &[(f64, f64)], sides: u32) -> Surface {
 fn box_corners(low: DVec3, high: DVec3) -> [DVec3; 8] {
     core::array::from_fn(|bits| {
         let pick = |bit: usize, low: f64, high: f64| if bits & bit == 0 { low } else { high };
-        DVec3::new(
-            pick(1, low.x, high.x),
-            pick(2, low.y, high.y),
-            pick(4, low.z, high.z),
-        )
+        DVec3::new(pick(1, low.x, high.x), pick(2, low.y, high.y), pick(4, low.z, high.z))
     })
 }
 
@@ -125,11 +118,7 @@ pub fn gear(shape: GearShape) -> Surface {
             for (offset, radius) in outline {
                 let turn = (f64::from(tooth) + offset) / f64::from(teeth);
                 let radius = if inner { bore_radius } else { radius };
-                surface.push(DVec3::new(
-                    radius * cos_turn(turn),
-                    radius * sin_turn(turn),
-                    z,
-                ));
+                surface.push(DVec3::new(radius * cos_turn(turn), radius * sin_turn(turn), z));
             }
         }
     }
@@ -148,28 +137,13 @@ pub fn gear(shape: GearShape) -> Surface {
 pub fn sphere(subdivisions: u32) -> Surface {
     let golden = (1.0 + 5.0_f64.sqrt()) / 2.0;
     let mut surface = Surface::default();
-    for (first, second) in [
-        (-1.0, golden),
-        (1.0, golden),
-        (-1.0, -golden),
-        (1.0, -golden),
-    ] {
+    for (first, second) in [(-1.0, golden), (1.0, golden), (-1.0, -golden), (1.0, -golden)] {
         surface.push(DVec3::new(first, second, 0.0).normalize());
     }
-    for (first, second) in [
-        (-1.0, golden),
-        (1.0, golden),
-        (-1.0, -golden),
-        (1.0, -golden),
-    ] {
+    for (first, second) in [(-1.0, golden), (1.0, golden), (-1.0, -golden), (1.0, -golden)] {
         surface.push(DVec3::new(0.0, first, second).normalize());
     }
-    for (first, second) in [
-        (-1.0, golden),
-        (1.0, golden),
-        (-1.0, -golden),
-        (1.0, -golden),
-    ] {
+    for (first, second) in [(-1.0, golden), (1.0, golden), (-1.0, -golden), (1.0, -golden)] {
         surface.push(DVec3::new(second, 0.0, first).normalize());
     }
     surface.triangles = icosahedron_triangles(&surface.positions);
@@ -207,12 +181,10 @@ fn quartered(surface: &Surface) -> Surface {
     let mut middles: BTreeMap<(u32, u32), u32> = BTreeMap::new();
     for &[a, b, c] in &surface.triangles {
         let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(from, to)| {
-            *middles
-                .entry((from.min(to), from.max(to)))
-                .or_insert_with(|| {
-                    let sum = fine.positions[from as usize] + fine.positions[to as usize];
-                    fine.push(sum * 0.5)
-                })
+            *middles.entry((from.min(to), from.max(to))).or_insert_with(|| {
+                let sum = fine.positions[from as usize] + fine.positions[to as usize];
+                fine.push(sum * 0.5)
+            })
         });
         fine.triangles
             .extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);

@@ -63,9 +63,7 @@ impl Surface {
                 sums[corner as usize] += doubled_area;
             }
         }
-        sums.into_iter()
-            .map(|sum| sum.normalize_or(DVec3::Y))
-            .collect()
+        sums.into_iter().map(|sum| sum.normalize_or(DVec3::Y)).collect()
     }
 
     /// Enclosed volume; positive when the winding is outward.

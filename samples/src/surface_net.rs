@@ -67,11 +67,7 @@ pub fn surface_of(body: &Body, net: &Net) -> Surface {
                 continue;
             };
             // The quadrilateral faces the outside: along the axis where the edge leaves the body.
-            let quad = if inside(cell) {
-                [a, b, c, d]
-            } else {
-                [d, c, b, a]
-            };
+            let quad = if inside(cell) { [a, b, c, d] } else { [d, c, b, a] };
             surface.push_quad(quad);
         }
     }
@@ -102,11 +98,7 @@ fn cells_around(edge_start: Cell, axis: usize) -> [Cell; 4] {
 }
 
 /// The mean of the points at which the field changes sign along a cell's twelve edges.
-fn crossing_middle(
-    corners: &[Cell],
-    position: &impl Fn(Cell) -> DVec3,
-    field: &BTreeMap<Cell, f64>,
-) -> DVec3 {
+fn crossing_middle(corners: &[Cell], position: &impl Fn(Cell) -> DVec3, field: &BTreeMap<Cell, f64>) -> DVec3 {
     let value = |index: usize| field.get(&corners[index]).copied().unwrap_or(f64::MAX);
     let (mut sum, mut count) = (DVec3::ZERO, 0.0);
     for from in 0..8 {

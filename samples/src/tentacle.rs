@@ -1,7 +1,8 @@
 //! `tentacle.gltf` and `tentacle.bin`: a long chain of bones with eight influences per vertex.
 
 use crate::column::{Column, Component, narrow};
-use crate::figure::{Skeleton, add_flat_mesh};
+use crate::figure::Skeleton;
+use crate::flat_mesh::add_flat_mesh;
 use crate::gltf_json::{Mesh, Node};
 use crate::gltf_writer::{GltfWriter, WriteError, primitive};
 use crate::rotation::{about_x, about_z, cos_turn, sin_turn};
@@ -118,13 +119,7 @@ fn ring_at(height: f64, radius: f64, bulge: f64) -> Vec<DVec3> {
 
 fn rock() -> Surface {
     lathe(
-        &[
-            (0.95, -0.16),
-            (1.0, -0.1),
-            (0.93, -0.03),
-            (0.55, 0.02),
-            (0.4, 0.05),
-        ],
+        &[(0.95, -0.16), (1.0, -0.1), (0.93, -0.03), (0.55, 0.02), (0.4, 0.05)],
         32,
     )
 }

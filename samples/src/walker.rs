@@ -1,7 +1,8 @@
 //! `walker.glb`: a figure that walks and waves on a small stage.
 
 use crate::column::{Column, Component};
-use crate::figure::{Skeleton, add_flat_mesh, add_skinned_surface};
+use crate::figure::{Skeleton, add_skinned_surface};
+use crate::flat_mesh::add_flat_mesh;
 use crate::gait::{Stride, reach, table};
 use crate::gltf_json::Node;
 use crate::gltf_writer::{GltfWriter, Track, WriteError};
@@ -89,10 +90,7 @@ pub fn walker_glb() -> Result<Vec<u8>, WriteError> {
         Component::U8,
         (skin, cloth),
     );
-    let stage = lathe(
-        &[(0.9, -0.075), (0.93, -0.06), (0.93, -0.03), (0.9, -0.015)],
-        48,
-    );
+    let stage = lathe(&[(0.9, -0.075), (0.93, -0.06), (0.93, -0.03), (0.9, -0.015)], 48);
     let stage = add_flat_mesh(&mut writer, "stage", &stage, slate);
     writer.add_root(Node {
         name: "stage".to_owned(),
@@ -134,20 +132,12 @@ fn bones() -> Vec<Bone> {
         let (hip, knee) = (0.93, 0.93 - THIGH_LENGTH);
         bones.extend([
             bone(&named("shoulder"), Some(CHEST), at(0.06, 1.36, 0.0)),
-            bone(
-                &named("upper_arm"),
-                Some(side.shoulder),
-                at(0.19, 1.36, 0.0),
-            ),
+            bone(&named("upper_arm"), Some(side.shoulder), at(0.19, 1.36, 0.0)),
             bone(&named("forearm"), Some(side.upper_arm), at(0.39, 1.19, 0.0)),
             bone(&named("hand"), Some(side.forearm), at(0.575, 1.03, 0.0)),
             bone(&named("thigh"), Some(HIPS), at(0.1, hip, 0.0)),
             bone(&named("shin"), Some(side.thigh), at(0.1, knee, 0.0)),
-            bone(
-                &named("foot"),
-                Some(side.shin),
-                at(0.1, knee - SHIN_LENGTH, 0.0),
-            ),
+            bone(&named("foot"), Some(side.shin), at(0.1, knee - SHIN_LENGTH, 0.0)),
             bone(&named("toe"), Some(side.foot), at(0.1, 0.04, 0.13)),
         ]);
     }
@@ -189,47 +179,14 @@ fn body(bones: &[Bone]) -> Body {
             limb(side.hand, joint(side.hand), knuckles, 0.043, 0.05),
             limb(side.hand, palm.to_array(), thumb.to_array(), 0.028, 0.022),
             limb(side.thigh, joint(side.thigh), joint(side.shin), 0.1, 0.066),
-            limb(
-                side.shin,
-                at(0.1, 0.5, 0.0),
-                at(0.1, 0.36, -0.012),
-                0.07,
-                0.066,
-            ),
-            limb(
-                side.shin,
-                at(0.1, 0.36, -0.012),
-                at(0.1, 0.1, 0.0),
-                0.066,
-                0.048,
-            ),
-            limb(
-                side.foot,
-                at(0.1, 0.075, 0.0),
-                at(0.1, 0.05, 0.11),
-                0.052,
-                0.05,
-            ),
-            limb(
-                side.foot,
-                at(0.1, 0.055, -0.035),
-                at(0.1, 0.05, 0.0),
-                0.05,
-                0.05,
-            ),
-            limb(
-                side.toe,
-                at(0.1, 0.045, 0.13),
-                at(0.105, 0.042, 0.185),
-                0.047,
-                0.042,
-            ),
+            limb(side.shin, at(0.1, 0.5, 0.0), at(0.1, 0.36, -0.012), 0.07, 0.066),
+            limb(side.shin, at(0.1, 0.36, -0.012), at(0.1, 0.1, 0.0), 0.066, 0.048),
+            limb(side.foot, at(0.1, 0.075, 0.0), at(0.1, 0.05, 0.11), 0.052, 0.05),
+            limb(side.foot, at(0.1, 0.055, -0.035), at(0.1, 0.05, 0.0), 0.05, 0.05),
+            limb(side.toe, at(0.1, 0.045, 0.13), at(0.105, 0.042, 0.185), 0.047, 0.042),
         ]);
     }
-    Body {
-        limbs,
-        blend: 0.045,
-    }
+    Body { limbs, blend: 0.045 }
 }
 
 fn net() -> Net {
@@ -332,13 +289,7 @@ fn set_leg(pose: &mut [DQuat], bones: &[Bone], hips: DVec3, side: Side, phase: f
     pose[side.foot] = foot;
     // On the ground the toes stay flat while the foot rolls over them.
     pose[side.toe] = about_x(table(
-        &[
-            (0.0, -16.0),
-            (0.1, 0.0),
-            (0.58, 0.0),
-            (0.7, 22.0),
-            (1.0, -16.0),
-        ],
+        &[(0.0, -16.0), (0.1, 0.0), (0.58, 0.0), (0.7, 22.0), (1.0, -16.0)],
         phase,
     ));
 }

@@ -36,11 +36,7 @@ fn run() -> Result<ExitCode, Box<dyn std::error::Error>> {
         } else if std::fs::read(&path).is_ok_and(|committed| committed == file.bytes) {
             writeln!(output, "same {} ({length} bytes)", file.name)?;
         } else {
-            writeln!(
-                output,
-                "differs {}: regenerate it without --check",
-                file.name
-            )?;
+            writeln!(output, "differs {}: regenerate it without --check", file.name)?;
             code = ExitCode::FAILURE;
         }
     }
