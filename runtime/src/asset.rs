@@ -41,10 +41,7 @@ impl Asset {
         StoredModel::copy(bytes).map(Self::new)
     }
 
-    fn opened(
-        path: &Path,
-        stored: io::Result<Result<StoredModel, FormatError>>,
-    ) -> Result<Self, OpenError> {
+    fn opened(path: &Path, stored: io::Result<Result<StoredModel, FormatError>>) -> Result<Self, OpenError> {
         match stored {
             Ok(Ok(model)) => Ok(Self::new(model)),
             Ok(Err(source)) => Err(OpenError::Format {
@@ -60,10 +57,7 @@ impl Asset {
 
     fn new(model: StoredModel) -> Self {
         let vertex_error = vertex_error(rounding_count(model.view()));
-        Self {
-            model,
-            vertex_error,
-        }
+        Self { model, vertex_error }
     }
 
     /// Everything in the file.
@@ -75,11 +69,7 @@ impl Asset {
     /// The first clip with this name, as a row of [`ModelView::clips`].
     #[must_use]
     pub fn clip(&self, name: &str) -> Option<usize> {
-        self.model()
-            .meta
-            .clip_names
-            .iter()
-            .position(|clip| clip == name)
+        self.model().meta.clip_names.iter().position(|clip| clip == name)
     }
 
     /// Bound of a posed vertex's rounding error, relative to `|X|·|p| + |t|`.

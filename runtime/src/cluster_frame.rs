@@ -80,10 +80,8 @@ pub fn invert_frame(frame: &Affine) -> Option<[[f64; 3]; 3]> {
     let inverse = rows.map(|row| row.map(|x| x / determinant));
     let norm = |m: [[f64; 3]; 3]| m.iter().flatten().map(|x| x * x).sum::<f64>().sqrt();
     let (forward, backward) = (norm([c0, c1, c2]), norm(inverse));
-    let usable = frame.is_finite()
-        && forward * backward <= CONDITION_LIMIT
-        && forward <= SCALE_LIMIT
-        && backward <= SCALE_LIMIT;
+    let usable =
+        frame.is_finite() && forward * backward <= CONDITION_LIMIT && forward <= SCALE_LIMIT && backward <= SCALE_LIMIT;
     usable.then_some(inverse)
 }
 
@@ -95,12 +93,7 @@ pub(crate) struct PosedBone {
 }
 
 /// Multiplies the palette by the instance transform; `bones` and `posed` have one entry per bone row.
-pub(crate) fn pose_bones(
-    transform: &Affine,
-    palette: &[Affine],
-    posed: &mut [Affine],
-    bones: &mut [PosedBone],
-) {
+pub(crate) fn pose_bones(transform: &Affine, palette: &[Affine], posed: &mut [Affine], bones: &mut [PosedBone]) {
     let identity = *transform == Affine::IDENTITY;
     let t = transform.columns.map(|column| column.map(f64::from));
     for ((x, out), bone) in palette.iter().zip(posed).zip(bones) {
@@ -118,8 +111,7 @@ pub(crate) fn pose_bones(
                         + offset.abs();
                 }
                 out.columns[j][k] = sum as f32;
-                magnitude[j][k] =
-                    f64::from(out.columns[j][k].abs()) + bound / f64::from(1u32 << 26);
+                magnitude[j][k] = f64::from(out.columns[j][k].abs()) + bound / f64::from(1u32 << 26);
             }
         }
         bone.magnitude = magnitude;
@@ -134,9 +126,7 @@ impl PosedBone {
     /// `N·(|p|, 1)` for points with `|p| ≤ extent`.
     fn reach(&self, extent: [f64; 3]) -> [f64; 3] {
         let m = &self.magnitude;
-        std::array::from_fn(|k| {
-            m[0][k] * extent[0] + m[1][k] * extent[1] + m[2][k] * extent[2] + m[3][k]
-        })
+        std::array::from_fn(|k| m[0][k] * extent[0] + m[1][k] * extent[1] + m[2][k] * extent[2] + m[3][k])
     }
 }
 
@@ -164,6 +154,8 @@ pub(crate) struct LocalFrame {
 
 /// What [`ClusterFrame::new`] needs beside the cluster's own row.
 pub(crate) struct FramePose<'a> {
+    /// Asset from rest, per bone row.
+    pub palette: &'a [Affine],
     /// World from rest, per bone row.
     pub posed: &'a [Affine],
     pub bones: &'a [PosedBone],
@@ -190,6 +182,8 @@ impl ClusterFrame {
     ) -> Option<Self> {
         let frame = &pose.posed[cluster.bone as usize];
         let inverse = invert_frame(frame)?;
+        // The baker judged samples without an instance transform; what it left out must not be traced here either.
+        invert_frame(&pose.palette[cluster.bone as usize])?;
         let bone = &pose.bones[cluster.bone as usize];
         let x = frame.columns.map(|column| column.map(f64::from));
         let (min, max) = (
@@ -202,23 +196,19 @@ impl ClusterFrame {
 
         let mut reach = [0.0f64; 3];
         for (bone, extent) in cluster_bones {
-            let moved = pose.bones[bone].reach(std::array::from_fn(|k| {
-                f64::from(extent[k]) + pose.morph_extent[k]
-            }));
+            let moved = pose.bones[bone].reach(std::array::from_fn(|k| f64::from(extent[k]) + pose.morph_extent[k]));
             reach = std::array::from_fn(|k| reach[k].max(moved[k]));
         }
         let frame_reach = bone.reach(extent);
         // Points 1 and 2, per world axis.
-        let vertex_error: [f64; 3] = std::array::from_fn(|k| {
-            UNIT_ROUNDOFF * frame_reach[k] + pose.vertex_error * reach[k] + UNDERFLOW_FLOOR
-        });
+        let vertex_error: [f64; 3] =
+            std::array::from_fn(|k| UNIT_ROUNDOFF * frame_reach[k] + pose.vertex_error * reach[k] + UNDERFLOW_FLOOR);
 
         let mut bounds_world = Aabb::EMPTY;
         let mut center_world = [0.0f32; 3];
         for k in 0..3 {
             let middle = x[0][k] * center[0] + x[1][k] * center[1] + x[2][k] * center[2] + x[3][k];
-            let spread =
-                x[0][k].abs() * half[0] + x[1][k].abs() * half[1] + x[2][k].abs() * half[2];
+            let spread = x[0][k].abs() * half[0] + x[1][k].abs() * half[1] + x[2][k].abs() * half[2];
             let spread = spread + vertex_error[k] + F64_SLACK * frame_reach[k];
             center_world[k] = middle as f32;
             bounds_world.min[k] = f32_below(middle - spread).min(center_world[k]);
@@ -229,9 +219,7 @@ impl ClusterFrame {
         let l = linear.map(|row| row.map(f64::from));
         let from_origin: [f64; 3] = std::array::from_fn(|i| f64::from(center_world[i]) - x[3][i]);
         let center_local: [f32; 3] = std::array::from_fn(|k| {
-            (inverse[k][0] * from_origin[0]
-                + inverse[k][1] * from_origin[1]
-                + inverse[k][2] * from_origin[2]) as f32
+            (inverse[k][0] * from_origin[0] + inverse[k][1] * from_origin[1] + inverse[k][2] * from_origin[2]) as f32
         });
 
         let mut margin_local = [0.0f32; 3];
@@ -255,14 +243,9 @@ impl ClusterFrame {
 
             let (_, moved) = dot_and_bound(l[k], vertex_error);
             // |c_l| once in point 5; planes of the local box twice the extent in point 6.
-            let box_rounding =
-                16.0 * UNIT_ROUNDOFF * (f64::from(center_local[k].abs()) + extent[k]);
+            let box_rounding = 16.0 * UNIT_ROUNDOFF * (f64::from(center_local[k].abs()) + extent[k]);
             let scale = l[k][0].abs() + l[k][1].abs() + l[k][2].abs();
-            let margin = residual
-                + moved
-                + box_rounding
-                + F64_SLACK * rounding
-                + UNDERFLOW_FLOOR * (1.0 + scale);
+            let margin = residual + moved + box_rounding + F64_SLACK * rounding + UNDERFLOW_FLOOR * (1.0 + scale);
             // The last factor: point 6 relative to the margin itself, and its sum with the ray's part.
             margin_local[k] = f32_above(margin * (1.0 + 8.0 * UNIT_ROUNDOFF));
             margin_per_distance[k] = f32_above(f64::from(RAY_ERROR) * scale);
@@ -289,10 +272,7 @@ impl ClusterFrame {
 /// `a·b` and `Σ|a||b|`.
 fn dot_and_bound(a: [f64; 3], b: [f64; 3]) -> (f64, f64) {
     let products: [f64; 3] = std::array::from_fn(|i| a[i] * b[i]);
-    (
-        products.iter().sum(),
-        products.iter().map(|p| p.abs()).sum(),
-    )
+    (products.iter().sum(), products.iter().map(|p| p.abs()).sum())
 }
 
 /// A ray ready for slab tests and kd-tree steps: the space it is in, and by how much planes are widened there.
@@ -307,8 +287,7 @@ pub(crate) struct SlabRay {
 /// The greatest distance per axis from `origin` to a point of `bounds`.
 fn distance(origin: [f32; 3], bounds: &Aabb) -> f32 {
     (0..3).fold(0.0, |far: f32, k| {
-        far.max(bounds.max[k] - origin[k])
-            .max(origin[k] - bounds.min[k])
+        far.max(bounds.max[k] - origin[k]).max(origin[k] - bounds.min[k])
     })
 }
 
@@ -330,10 +309,8 @@ impl SlabRay {
     pub(crate) fn clip(&self, bounds: &Aabb, range: (f32, f32)) -> Option<(f32, f32)> {
         let (mut enter, mut exit) = range;
         for k in 0..3 {
-            let low =
-                ((bounds.min[k] - self.origin[k]) - self.margin[k]) * self.inverse_direction[k];
-            let high =
-                ((bounds.max[k] - self.origin[k]) + self.margin[k]) * self.inverse_direction[k];
+            let low = ((bounds.min[k] - self.origin[k]) - self.margin[k]) * self.inverse_direction[k];
+            let high = ((bounds.max[k] - self.origin[k]) + self.margin[k]) * self.inverse_direction[k];
             let (near, far) = if self.inverse_direction[k].is_sign_positive() {
                 (low, high)
             } else {
@@ -353,12 +330,7 @@ impl SlabRay {
 impl LocalFrame {
     /// The ray in local space, with this cluster's margin for it. `t` is the same in both spaces.
     #[inline]
-    pub(crate) fn enter(
-        &self,
-        origin: [f32; 3],
-        direction: [f32; 3],
-        bounds_world: &Aabb,
-    ) -> SlabRay {
+    pub(crate) fn enter(&self, origin: [f32; 3], direction: [f32; 3], bounds_world: &Aabb) -> SlabRay {
         let from_center: [f32; 3] = std::array::from_fn(|k| origin[k] - self.center_world[k]);
         let product = |v: [f32; 3], k: usize| {
             let row = self.linear[k];
@@ -368,16 +340,12 @@ impl LocalFrame {
         SlabRay {
             origin: std::array::from_fn(|k| product(from_center, k) + self.center_local[k]),
             inverse_direction: std::array::from_fn(|k| 1.0 / product(direction, k)),
-            margin: std::array::from_fn(|k| {
-                self.margin_local[k] + self.margin_per_distance[k] * far
-            }),
+            margin: std::array::from_fn(|k| self.margin_local[k] + self.margin_per_distance[k] * far),
         }
     }
 
     /// The largest part of the margin that does not depend on the ray, relative to nothing: local units.
     pub(crate) fn largest_margin(&self) -> f32 {
-        self.margin_local
-            .iter()
-            .fold(0.0, |largest: f32, m| largest.max(*m))
+        self.margin_local.iter().fold(0.0, |largest: f32, m| largest.max(*m))
     }
 }

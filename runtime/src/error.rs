@@ -52,9 +52,7 @@ pub enum PoseError {
         found: usize,
     },
     /// There is another number of morph weights than the asset has targets.
-    #[error(
-        "{found} morph weights given, expected {expected}: one per morph target row of the asset"
-    )]
+    #[error("{found} morph weights given, expected {expected}: one per morph target row of the asset")]
     MorphWeightsLength {
         /// Morph targets of the asset.
         expected: usize,

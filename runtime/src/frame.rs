@@ -51,9 +51,7 @@ impl Frame<'_> {
     /// # Panics
     /// When the slices differ in length.
     pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        self.batch(rays, hits, |ray, stack| {
-            trace::<false>(self.scene, ray, stack, &mut ())
-        });
+        self.batch(rays, hits, |ray, stack| trace::<false>(self.scene, ray, stack, &mut ()));
     }
 
     /// [`Frame::any_hit`] of many rays, on all cores (feature `parallel`).
@@ -66,12 +64,7 @@ impl Frame<'_> {
         });
     }
 
-    fn batch<T: Send>(
-        &self,
-        rays: &[Ray],
-        results: &mut [T],
-        one: impl Fn(&Ray, &mut Stack) -> T + Sync,
-    ) {
+    fn batch<T: Send>(&self, rays: &[Ray], results: &mut [T], one: impl Fn(&Ray, &mut Stack) -> T + Sync) {
         assert_eq!(rays.len(), results.len(), "one result per ray");
         let run = |rays: &[Ray], results: &mut [T]| {
             let mut stack = Stack::new();
@@ -127,8 +120,7 @@ impl Frame<'_> {
     /// The clusters of all instances with their world boxes.
     pub fn clusters(&self) -> impl Iterator<Item = ClusterBounds> {
         self.scene.entries.iter().map(|entry| {
-            let frame =
-                &self.scene.instances[entry.instance as usize].clusters[entry.cluster as usize];
+            let frame = &self.scene.instances[entry.instance as usize].clusters[entry.cluster as usize];
             ClusterBounds {
                 instance: InstanceId(entry.instance),
                 cluster: entry.cluster,

@@ -30,8 +30,6 @@ pub struct Hit {
 impl Hit {
     /// The order that decides between hits: nearer first, then lower instance, then lower triangle.
     pub(crate) fn is_before(&self, other: &Self) -> bool {
-        self.t < other.t
-            || (self.t == other.t
-                && (self.instance, self.triangle) < (other.instance, other.triangle))
+        self.t < other.t || (self.t == other.t && (self.instance, self.triangle) < (other.instance, other.triangle))
     }
 }

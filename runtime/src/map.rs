@@ -74,8 +74,7 @@ impl StoredModel {
     /// Reads a file into aligned memory.
     pub(crate) fn open(path: &Path) -> io::Result<Result<Self, FormatError>> {
         let mut file = File::open(path)?;
-        let len =
-            usize::try_from(file.metadata()?.len()).map_err(|_| io::ErrorKind::FileTooLarge)?;
+        let len = usize::try_from(file.metadata()?.len()).map_err(|_| io::ErrorKind::FileTooLarge)?;
         Ok(Self::new(Storage::owned(len, |to| {
             io::Read::read_exact(&mut file, to)
         })?))

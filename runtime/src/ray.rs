@@ -39,10 +39,7 @@ impl Ray {
 
     /// True when the ray can hit anything at all.
     pub(crate) fn is_usable(&self) -> bool {
-        self.origin
-            .iter()
-            .chain(&self.direction)
-            .all(|x| x.is_finite())
+        self.origin.iter().chain(&self.direction).all(|x| x.is_finite())
             && self.direction.iter().any(|x| *x != 0.0)
             && self.t_min <= self.t_max
     }

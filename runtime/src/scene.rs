@@ -58,8 +58,7 @@ impl Scene {
     /// # Panics
     /// With 2³² instances.
     pub fn add(&mut self, asset: &Arc<Asset>) -> InstanceId {
-        let id =
-            InstanceId(u32::try_from(self.instances.len()).expect("fewer than 2^32 instances"));
+        let id = InstanceId(u32::try_from(self.instances.len()).expect("fewer than 2^32 instances"));
         let mut instance = Instance {
             asset: Arc::clone(asset),
             transform: Affine::IDENTITY,
@@ -84,11 +83,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`PoseError::UnknownInstance`], [`PoseError::TransformNotFinite`].
-    pub fn set_transform(
-        &mut self,
-        instance: InstanceId,
-        world_from_asset: Affine,
-    ) -> Result<(), PoseError> {
+    pub fn set_transform(&mut self, instance: InstanceId, world_from_asset: Affine) -> Result<(), PoseError> {
         let instance = self.instance_mut(instance)?;
         if !world_from_asset.is_finite() {
             return Err(PoseError::TransformNotFinite);
@@ -101,12 +96,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`PoseError::UnknownInstance`], [`PoseError::UnknownClip`], [`PoseError::TimeNotFinite`].
-    pub fn play(
-        &mut self,
-        instance: InstanceId,
-        clip: usize,
-        seconds: f32,
-    ) -> Result<(), PoseError> {
+    pub fn play(&mut self, instance: InstanceId, clip: usize, seconds: f32) -> Result<(), PoseError> {
         let count = self.instance_mut(instance)?.asset.model().clips.len();
         if clip >= count {
             return Err(PoseError::UnknownClip { clip, count });
@@ -125,20 +115,12 @@ impl Scene {
         self.evaluate(instance, None, 0.0)
     }
 
-    fn evaluate(
-        &mut self,
-        id: InstanceId,
-        clip: Option<usize>,
-        seconds: f32,
-    ) -> Result<(), PoseError> {
+    fn evaluate(&mut self, id: InstanceId, clip: Option<usize>, seconds: f32) -> Result<(), PoseError> {
         let count = self.instances.len();
-        let instance = self
-            .instances
-            .get_mut(id.index())
-            .ok_or(PoseError::UnknownInstance {
-                instance: id.index(),
-                count,
-            })?;
+        let instance = self.instances.get_mut(id.index()).ok_or(PoseError::UnknownInstance {
+            instance: id.index(),
+            count,
+        })?;
         let asset = Arc::clone(&instance.asset);
         self.evaluator.evaluate(
             asset.model(),
@@ -228,8 +210,7 @@ impl Scene {
                 self.boxes.push(frame.bounds_world);
                 match &frame.local {
                     Some(local) => {
-                        self.stats.largest_margin =
-                            self.stats.largest_margin.max(local.largest_margin());
+                        self.stats.largest_margin = self.stats.largest_margin.max(local.largest_margin());
                     }
                     None => self.stats.clusters_without_inverse += 1,
                 }
@@ -249,12 +230,7 @@ impl Instance {
         let model = self.asset.model();
         self.posed.resize(model.bones.len(), Affine::IDENTITY);
         self.bones.resize(model.bones.len(), PosedBone::ZERO);
-        pose_bones(
-            &self.transform,
-            &self.palette,
-            &mut self.posed,
-            &mut self.bones,
-        );
+        pose_bones(&self.transform, &self.palette, &mut self.posed, &mut self.bones);
 
         let mut morph_extent = [0.0; 3];
         for (target, weight) in model.morph_targets.iter().zip(&self.morph_weights) {
@@ -263,6 +239,7 @@ impl Instance {
             }
         }
         let pose = FramePose {
+            palette: &self.palette,
             posed: &self.posed,
             bones: &self.bones,
             vertex_error: self.asset.vertex_error(),
@@ -270,30 +247,21 @@ impl Instance {
         };
         self.clusters.clear();
         self.clusters.extend(model.clusters.iter().map(|cluster| {
-            let rows = &model.cluster_bones[cluster.cluster_bone_first as usize..]
-                [..cluster.cluster_bone_count as usize];
-            ClusterFrame::new(
-                cluster,
-                rows.iter().map(|row| (row.bone as usize, &row.extent)),
-                &pose,
+            let rows =
+                &model.cluster_bones[cluster.cluster_bone_first as usize..][..cluster.cluster_bone_count as usize];
+            ClusterFrame::new(cluster, rows.iter().map(|row| (row.bone as usize, &row.extent)), &pose).unwrap_or_else(
+                || ClusterFrame {
+                    bounds_world: bounds_of_vertices(model, cluster, &self.posed, &self.morph_weights),
+                    local: None,
+                },
             )
-            .unwrap_or_else(|| ClusterFrame {
-                bounds_world: bounds_of_vertices(model, cluster, &self.posed, &self.morph_weights),
-                local: None,
-            })
         }));
     }
 }
 
 /// The box around a cluster's posed triangles. Vertices that overflowed have no place and hit nothing.
-fn bounds_of_vertices(
-    model: &ModelView,
-    cluster: &ClusterRow,
-    posed: &[Affine],
-    morph_weights: &[f32],
-) -> Aabb {
-    let references =
-        &model.references[cluster.reference_first as usize..][..cluster.reference_count as usize];
+fn bounds_of_vertices(model: &ModelView, cluster: &ClusterRow, posed: &[Affine], morph_weights: &[f32]) -> Aabb {
+    let references = &model.references[cluster.reference_first as usize..][..cluster.reference_count as usize];
     Aabb::around(
         references
             .iter()

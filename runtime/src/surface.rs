@@ -36,8 +36,7 @@ impl SurfacePoint {
             .partition_point(|part| part.triangle_first <= hit.triangle)
             .saturating_sub(1);
         let part_row = &model.parts[part];
-        let primitives = &model.primitives[part_row.primitive_first as usize..]
-            [..part_row.primitive_count as usize];
+        let primitives = &model.primitives[part_row.primitive_first as usize..][..part_row.primitive_count as usize];
         let primitive = primitives
             .partition_point(|row| row.triangle_first <= hit.triangle)
             .saturating_sub(1);
@@ -49,11 +48,7 @@ impl SurfacePoint {
         let (u, v) = (f64::from(hit.u), f64::from(hit.v));
         let weights = [1.0 - u - v, u, v];
         let blend = |points: [[f32; 3]; 3]| {
-            std::array::from_fn(|k| {
-                (0..3)
-                    .map(|i| weights[i] * f64::from(points[i][k]))
-                    .sum::<f64>() as f32
-            })
+            std::array::from_fn(|k| (0..3).map(|i| weights[i] * f64::from(points[i][k])).sum::<f64>() as f32)
         };
         Self {
             part: part as u32,
@@ -73,16 +68,12 @@ impl SurfacePoint {
 fn dominant_bone(instance: &Instance, rows: [usize; 3], weights: [f64; 3]) -> u32 {
     let model = instance.asset.model();
     let influences = |row: usize| {
-        &model.influences[model.vertices[row].influence_first as usize
-            ..model.vertices[row + 1].influence_first as usize]
+        &model.influences
+            [model.vertices[row].influence_first as usize..model.vertices[row + 1].influence_first as usize]
     };
     let weight_of = |bone: u32| -> f64 {
         (0..3)
-            .flat_map(|i| {
-                influences(rows[i])
-                    .iter()
-                    .map(move |influence| (i, influence))
-            })
+            .flat_map(|i| influences(rows[i]).iter().map(move |influence| (i, influence)))
             .filter(|(_, influence)| influence.bone == bone)
             .map(|(i, influence)| weights[i] * f64::from(influence.weight))
             .sum()
@@ -102,8 +93,7 @@ fn dominant_bone(instance: &Instance, rows: [usize; 3], weights: [f64; 3]) -> u3
 }
 
 fn normal([a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
-    let edge =
-        |p: [f32; 3]| -> [f64; 3] { std::array::from_fn(|k| f64::from(p[k]) - f64::from(a[k])) };
+    let edge = |p: [f32; 3]| -> [f64; 3] { std::array::from_fn(|k| f64::from(p[k]) - f64::from(a[k])) };
     let (e, f) = (edge(b), edge(c));
     let cross = [
         e[1] * f[2] - e[2] * f[1],

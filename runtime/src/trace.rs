@@ -39,10 +39,7 @@ impl Mailbox {
     /// True the first time; `id` must not be `u32::MAX`.
     #[inline]
     fn insert(&mut self, id: u32) -> bool {
-        let known = self
-            .ids
-            .iter()
-            .fold(false, |known, other| known | (*other == id));
+        let known = self.ids.iter().fold(false, |known, other| known | (*other == id));
         if !known {
             self.ids[self.next] = id;
             self.next = (self.next + 1) % MAILBOX_SIZE;
@@ -89,16 +86,11 @@ struct Traveller {
 impl Traveller {
     fn new(ray: &Ray) -> Option<(Self, f32)> {
         let prepared = PreparedRay::new(ray)?;
-        let longest = ray
-            .direction
-            .iter()
-            .fold(0.0f32, |longest, d| longest.max(d.abs()));
+        let longest = ray.direction.iter().fold(0.0f32, |longest, d| longest.max(d.abs()));
         // Every nonzero f32 is a normal f64, so its exponent bits are its magnitude.
         let exponent = i64::try_from(f64::from(longest).to_bits() >> 52).ok()? - 1023;
         let power = |e: i64| f64::from_bits(((1023 + e) as u64) << 52);
-        let direction = ray
-            .direction
-            .map(|d| (f64::from(d) * power(-exponent)) as f32);
+        let direction = ray.direction.map(|d| (f64::from(d) * power(-exponent)) as f32);
         let scale = power(exponent);
         let start = f32_below(f64::from(ray.t_min.next_down()) * scale);
         let mut out = Self {
@@ -121,12 +113,7 @@ impl Traveller {
     #[inline]
     fn test(&mut self, scene: &Scene, instance: u32, triangle: u32) -> bool {
         let state = &scene.instances[instance as usize];
-        let corners = pose_triangle(
-            state.asset.model(),
-            &state.posed,
-            &state.morph_weights,
-            triangle,
-        );
+        let corners = pose_triangle(state.asset.model(), &state.posed, &state.morph_weights, triangle);
         let Some(found) = self.prepared.intersect(&corners) else {
             return false;
         };
@@ -175,16 +162,7 @@ pub(crate) fn trace<const ANY: bool>(
                 let done = mailbox.insert(*id)
                     && slab
                         .clip(&scene.boxes[*id as usize], (start, traveller.limit))
-                        .is_some_and(|_| {
-                            enter_cluster::<ANY>(
-                                scene,
-                                *id,
-                                start,
-                                traveller,
-                                cluster_stack,
-                                counters,
-                            )
-                        });
+                        .is_some_and(|_| enter_cluster::<ANY>(scene, *id, start, traveller, cluster_stack, counters));
                 if done {
                     return true;
                 }
@@ -210,8 +188,7 @@ fn enter_cluster<const ANY: bool>(
     let model = state.asset.model();
     let row = &model.clusters[cluster as usize];
     let frame = &state.clusters[cluster as usize];
-    let references =
-        &model.references[row.reference_first as usize..][..row.reference_count as usize];
+    let references = &model.references[row.reference_first as usize..][..row.reference_count as usize];
     let mut mailbox = Mailbox::EMPTY;
     let mut test = |triangles: &[u32], traveller: &mut Traveller, counters: &mut _| {
         for triangle in triangles {
@@ -320,10 +297,7 @@ mod tests {
             assert!(mailbox.insert(id) && !mailbox.insert(id));
         }
         assert!(!mailbox.insert(0), "still within the memory");
-        assert!(
-            mailbox.insert(99) && mailbox.insert(0),
-            "the oldest is forgotten"
-        );
+        assert!(mailbox.insert(99) && mailbox.insert(0), "the oldest is forgotten");
     }
 
     #[test]
@@ -338,8 +312,7 @@ mod tests {
             1e30,
             f32::MAX,
         ] {
-            let (traveller, start) =
-                Traveller::new(&Ray::new([0.0; 3], [longest, -longest / 2.0, 0.0])).unwrap();
+            let (traveller, start) = Traveller::new(&Ray::new([0.0; 3], [longest, -longest / 2.0, 0.0])).unwrap();
             let d = traveller.direction[0];
             assert!((1.0..2.0).contains(&d), "{longest}: {d}");
             assert_eq!(f64::from(d) * traveller.scale, f64::from(longest));

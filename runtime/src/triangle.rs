@@ -50,10 +50,7 @@ impl PreparedRay {
             return None;
         }
         let d = ray.direction;
-        let z = (1..3).fold(
-            0,
-            |best, k| if d[k].abs() > d[best].abs() { k } else { best },
-        );
+        let z = (1..3).fold(0, |best, k| if d[k].abs() > d[best].abs() { k } else { best });
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
         Some(Self {
             origin: ray.origin,
@@ -141,9 +138,7 @@ mod tests {
     #[test]
     fn corners_and_edges_count_and_the_outside_does_not() {
         let down = |x, y| hit(Ray::new([x, y, 1.0], [0.0, 0.0, -1.0]), UNIT).is_some();
-        assert!(
-            down(0.0, 0.0) && down(1.0, 0.0) && down(0.0, 1.0) && down(0.5, 0.5) && down(0.5, 0.0)
-        );
+        assert!(down(0.0, 0.0) && down(1.0, 0.0) && down(0.0, 1.0) && down(0.5, 0.5) && down(0.5, 0.0));
         assert!(!down(0.5f32.next_up(), 0.5) && !down(0.5, 0.0f32.next_down()) && !down(1.5, 0.5));
     }
 
@@ -160,27 +155,16 @@ mod tests {
             )
             .is_some()
         };
-        assert!(
-            with(1.0, 1.0)
-                && with(0.0, 1.0)
-                && with(1.0, f32::INFINITY)
-                && with(f32::NEG_INFINITY, 1.0)
-        );
+        assert!(with(1.0, 1.0) && with(0.0, 1.0) && with(1.0, f32::INFINITY) && with(f32::NEG_INFINITY, 1.0));
         assert!(!with(1.0f32.next_up(), 2.0) && !with(0.0, 1.0f32.next_down()) && !with(2.0, 0.5));
         assert!(!with(f32::NAN, 2.0) && !with(0.0, f32::NAN));
     }
 
     #[test]
     fn edge_on_and_degenerate_triangles_are_not_hit() {
-        assert_eq!(
-            hit(Ray::new([-1.0, 0.25, 0.0], [1.0, 0.0, 0.0]), UNIT),
-            None
-        );
+        assert_eq!(hit(Ray::new([-1.0, 0.25, 0.0], [1.0, 0.0, 0.0]), UNIT), None);
         let point = [[0.3, 0.3, 0.0]; 3];
-        assert_eq!(
-            hit(Ray::new([0.3, 0.3, 1.0], [0.0, 0.0, -1.0]), point),
-            None
-        );
+        assert_eq!(hit(Ray::new([0.3, 0.3, 1.0], [0.0, 0.0, -1.0]), point), None);
         let line = [[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 0.0]];
         assert_eq!(hit(Ray::new([0.5, 0.5, 1.0], [0.0, 0.0, -1.0]), line), None);
     }

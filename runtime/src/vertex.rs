@@ -11,25 +11,18 @@ use restpose_formats::{ModelView, geom::Affine};
 /// `vertex` is a vertex row other than the closing one; `palette` has a map per bone row and `morph_weights` a weight
 /// per morph target row.
 #[inline]
-pub(crate) fn pose_vertex(
-    model: &ModelView,
-    palette: &[Affine],
-    morph_weights: &[f32],
-    vertex: u32,
-) -> [f32; 3] {
+pub(crate) fn pose_vertex(model: &ModelView, palette: &[Affine], morph_weights: &[f32], vertex: u32) -> [f32; 3] {
     let index = vertex as usize;
     let row = model.vertices[index];
     let mut p = row.position_rest;
     if !model.morph_first.is_empty() {
-        for delta in &model.morph_deltas
-            [model.morph_first[index] as usize..model.morph_first[index + 1] as usize]
-        {
+        for delta in &model.morph_deltas[model.morph_first[index] as usize..model.morph_first[index + 1] as usize] {
             let weight = morph_weights[delta.target as usize];
             p = std::array::from_fn(|k| p[k] + weight * delta.delta[k]);
         }
     }
-    let influences = &model.influences
-        [row.influence_first as usize..model.vertices[index + 1].influence_first as usize];
+    let influences =
+        &model.influences[row.influence_first as usize..model.vertices[index + 1].influence_first as usize];
     if let [only] = influences {
         return palette[only.bone as usize].transform_point(p);
     }

@@ -75,6 +75,7 @@ impl Sweep {
     /// The cheapest split along the axis that costs less than `limit`.
     fn run(&self, events: &[Event], begun: u32, count: u32, mut limit: f64) -> Option<Split> {
         let (min, max) = self.sides;
+        let (min_wide, max_wide) = (f64::from(min), f64::from(max));
         let mut best = None;
         // Boxes that begin before the plane, boxes that end behind it; planar ones are in neither.
         let open = count - begun;
@@ -82,7 +83,9 @@ impl Sweep {
         let mut next = 0;
         while let Some(first) = events.get(next) {
             let group = next;
-            let (mut begins, mut ends, mut planar) = (0, 0, 0);
+            let (mut begins, mut ends) = (first.begins(), first.ends());
+            let mut planar = begins & ends;
+            next += 1;
             while let Some(event) = events.get(next).filter(|event| event.key() == first.key()) {
                 begins += event.begins();
                 ends += event.ends();
@@ -91,36 +94,35 @@ impl Sweep {
             }
             right -= ends;
             let position = first.position();
-            let lower = f64::from(position) - f64::from(min);
-            let upper = f64::from(max) - f64::from(position);
-            // On the border only the boxes that lie in it can be split off; all others, clipped to the cell, lie on its
-            // inner side, also those that go on beyond.
-            let below = if position > min { left } else { 0 };
-            let above = if position < max { right } else { 0 };
-            let left_allowed = position < max && (position > min || planar > 0);
-            let right_allowed = position > min && planar > 0;
-            for (planar_left, allowed) in [(true, left_allowed), (false, right_allowed)] {
-                if !allowed {
-                    continue;
-                }
-                let (l, r) = if planar_left {
-                    (below + planar, above)
-                } else {
-                    (below, above + planar)
+            let inside = min < position && position < max;
+            if inside || planar > 0 {
+                let wide = f64::from(position);
+                let (lower, upper) = (wide - min_wide, max_wide - wide);
+                // On the border only the boxes that lie in it can be split off; all others, clipped to the cell, lie on
+                // its inner side, also those that go on beyond.
+                let below = if position > min { left } else { 0 };
+                let above = if position < max { right } else { 0 };
+                let mut consider = |planar_left: bool, left_count: u32, right_count: u32| {
+                    let cost = self.cost.at(lower, upper, left_count, right_count);
+                    if cost < limit {
+                        limit = cost;
+                        best = Some(Split {
+                            cost,
+                            axis: self.axis,
+                            position,
+                            planar_left,
+                            left: left_count,
+                            right: right_count,
+                            group: group..next,
+                            begun: [left - open, left - open + begins],
+                        });
+                    }
                 };
-                let cost = self.cost.at(lower, upper, l, r);
-                if cost < limit {
-                    limit = cost;
-                    best = Some(Split {
-                        cost,
-                        axis: self.axis,
-                        position,
-                        planar_left,
-                        left: l,
-                        right: r,
-                        group: group..next,
-                        begun: [left - open, left - open + begins],
-                    });
+                if position < max {
+                    consider(true, below + planar, above);
+                }
+                if position > min && planar > 0 {
+                    consider(false, below, above + planar);
                 }
             }
             left += begins;

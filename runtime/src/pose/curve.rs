@@ -32,8 +32,7 @@ enum Place {
 impl<'a> Curve<'a> {
     /// The channel in `row`, whose ranges and numbers were checked when the file was opened.
     pub(crate) fn new(model: &ModelView<'a>, row: &ChannelRow) -> Self {
-        let interpolation =
-            Interpolation::from_number(row.interpolation).unwrap_or(Interpolation::Step);
+        let interpolation = Interpolation::from_number(row.interpolation).unwrap_or(Interpolation::Step);
         let (width, keys) = (row.width as usize, row.key_count as usize);
         Self {
             times: &model.key_times[row.time_first as usize..][..keys],
@@ -51,10 +50,7 @@ impl<'a> Curve<'a> {
             return Place::Key(0);
         }
         let key = later - 1;
-        if later == self.times.len()
-            || self.interpolation == Interpolation::Step
-            || self.times[key] == seconds
-        {
+        if later == self.times.len() || self.interpolation == Interpolation::Step || self.times[key] == seconds {
             return Place::Key(key);
         }
         let (begin, end) = (f64::from(self.times[key]), f64::from(self.times[later]));
@@ -96,10 +92,7 @@ impl<'a> Curve<'a> {
             step_seconds * self.component(key + 1, 0, k),
         );
         let (s2, s3) = (s * s, s * s * s);
-        (2.0 * s3 - 3.0 * s2 + 1.0) * begin
-            + (s3 - 2.0 * s2 + s) * out
-            + (3.0 * s2 - 2.0 * s3) * end
-            + (s3 - s2) * into
+        (2.0 * s3 - 3.0 * s2 + 1.0) * begin + (s3 - 2.0 * s2 + s) * out + (3.0 * s2 - 2.0 * s3) * end + (s3 - s2) * into
     }
 
     /// A rotation as a unit quaternion.
@@ -114,9 +107,7 @@ impl<'a> Curve<'a> {
                 key,
                 fraction,
                 step_seconds,
-            } => normalized(std::array::from_fn(|k| {
-                self.between(key, fraction, step_seconds, k)
-            })),
+            } => normalized(std::array::from_fn(|k| self.between(key, fraction, step_seconds, k))),
         }
     }
 
@@ -150,10 +141,7 @@ fn slerp(a: [f64; 4], b: [f64; 4], s: f64) -> [f64; 4] {
     let angle = 2.0 * libm::atan2(chord(sign), chord(-sign));
     let sine = libm::sin(angle);
     let (from, to) = if sine > 0.0 {
-        (
-            libm::sin((1.0 - s) * angle) / sine,
-            libm::sin(s * angle) / sine,
-        )
+        (libm::sin((1.0 - s) * angle) / sine, libm::sin(s * angle) / sine)
     } else {
         (1.0 - s, s)
     };
@@ -164,12 +152,7 @@ fn slerp(a: [f64; 4], b: [f64; 4], s: f64) -> [f64; 4] {
 mod tests {
     use super::*;
 
-    fn curve<'a>(
-        path: Path,
-        interpolation: Interpolation,
-        times: &'a [f32],
-        values: &'a [f32],
-    ) -> Curve<'a> {
+    fn curve<'a>(path: Path, interpolation: Interpolation, times: &'a [f32], values: &'a [f32]) -> Curve<'a> {
         let width = if path == Path::Rotation { 4 } else { 1 };
         Curve {
             times,
@@ -203,12 +186,7 @@ mod tests {
 
     #[test]
     fn linear_is_linear() {
-        let linear = curve(
-            Path::Translation,
-            Interpolation::Linear,
-            &[1.0, 3.0],
-            &[10.0, 20.0],
-        );
+        let linear = curve(Path::Translation, Interpolation::Linear, &[1.0, 3.0], &[10.0, 20.0]);
         assert_eq!(linear.scalar(1.5, 0), 12.5);
         assert_eq!(linear.scalar(3.5, 0), 20.0);
     }
@@ -231,12 +209,8 @@ mod tests {
     fn rotations_take_the_shorter_arc_at_even_speed() {
         let half = std::f32::consts::FRAC_1_SQRT_2;
         // From none to a quarter turn about z, given with the opposite sign.
-        let turn = curve(
-            Path::Rotation,
-            Interpolation::Linear,
-            &[0.0, 1.0],
-            &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -half, -half],
-        );
+        let keys = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -half, -half];
+        let turn = curve(Path::Rotation, Interpolation::Linear, &[0.0, 1.0], &keys);
         for (seconds, degrees) in [(0.25f32, 22.5f64), (0.5, 45.0), (0.75, 67.5)] {
             let [_, _, z, w] = turn.rotation(seconds);
             let found = 2.0 * libm::atan2(z, w).to_degrees();

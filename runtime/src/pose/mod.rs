@@ -48,26 +48,18 @@ impl PoseEvaluator {
         self.locals
             .extend(model.nodes.iter().map(|row| NodePose::new(row.local())));
         morph_weights.clear();
-        morph_weights.extend(
-            model
-                .morph_targets
-                .iter()
-                .map(|target| target.default_weight),
-        );
+        morph_weights.extend(model.morph_targets.iter().map(|target| target.default_weight));
 
         if let Some(row) = clip
             .and_then(|clip| model.clips.get(clip))
             .filter(|_| !seconds.is_nan())
         {
-            for channel in
-                &model.channels[row.channel_first as usize..][..row.channel_count as usize]
-            {
+            for channel in &model.channels[row.channel_first as usize..][..row.channel_count as usize] {
                 let curve = Curve::new(model, channel);
                 if curve.path() == Path::Weights {
                     let set = model.morph_sets[channel.target as usize];
                     for k in 0..set.target_count as usize {
-                        morph_weights[set.target_first as usize + k] =
-                            curve.scalar(seconds, k) as f32;
+                        morph_weights[set.target_first as usize + k] = curve.scalar(seconds, k) as f32;
                     }
                 } else {
                     self.locals[channel.target as usize].set(&curve, seconds);

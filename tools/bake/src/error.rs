@@ -1,0 +1,75 @@
+use restpose_formats::{FormatError, rows::MotionClass};
+
+/// Why an animation was not baked.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BakeError {
+    /// The sample step is not a positive number.
+    #[error("the sample step is {found} s; expected a finite number above zero")]
+    SampleStep {
+        /// Step given.
+        found: f64,
+    },
+    /// A clip that was asked for does not exist.
+    #[error("no clip is called {name:?}; the source has: {known}", known = .known.join(", "))]
+    UnknownClip {
+        /// Name asked for.
+        name: String,
+        /// Names there are, or numbers where there is no name.
+        known: Vec<String>,
+    },
+    /// A class was given for a part that does not exist.
+    #[error("no part is called {name:?}; the source has: {known}", known = .known.join(", "))]
+    UnknownPart {
+        /// Name asked for.
+        name: String,
+        /// Names there are.
+        known: Vec<String>,
+    },
+    /// A part cannot have the class that was asked for.
+    #[error("part {name:?} cannot be {}: it is {} ({reason}); a part can be made static, and a static one rigid", .asked.name(), .found.name())]
+    Class {
+        /// Part.
+        name: String,
+        /// Class asked for.
+        asked: MotionClass,
+        /// Class found.
+        found: MotionClass,
+        /// Why that was found.
+        reason: String,
+    },
+    /// The clips give more samples than a bake takes.
+    #[error("clip {clip:?} gives {found} samples, more than {limit}: take a longer sample step")]
+    TooManySamples {
+        /// Clip.
+        clip: String,
+        /// Samples.
+        found: u64,
+        /// Most that are taken.
+        limit: u64,
+    },
+    /// A count does not fit the file's 32-bit indices.
+    #[error("{what}: {found} do not fit the file's 32-bit indices; split the scene into several files")]
+    TooMany {
+        /// What there are too many of.
+        what: &'static str,
+        /// How many.
+        found: u64,
+    },
+    /// A pose overflows the range of `f32`.
+    #[error("bone {bone:?} leaves the range of f32 in clip {clip:?} at {seconds} s: scale the scene down")]
+    PoseOverflow {
+        /// Bone.
+        bone: String,
+        /// Clip; empty for the pose without one.
+        clip: String,
+        /// Time.
+        seconds: f32,
+    },
+    /// No triangle has an area.
+    #[error("no triangle has an area in any pose: there is nothing to trace")]
+    NothingToTrace,
+    /// The finished model breaks a rule of the format; a defect of the bake, not of the source.
+    #[error("the bake made a file that breaks the format's rules; please report this: {0}")]
+    Format(#[from] FormatError),
+}

@@ -1,0 +1,9 @@
+//! How parts move: their class, and for skinned ones the bone that carries each triangle.
+
+mod classify;
+mod decompose;
+mod moving;
+
+pub(crate) use classify::{Classified, classify};
+pub(crate) use decompose::{Carried, decompose};
+pub(crate) use moving::{Moving, parents_first};

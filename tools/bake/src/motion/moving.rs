@@ -1,0 +1,78 @@
+use crate::import::{Animation, Channel, ChannelTarget, Local};
+use restpose_formats::rows::Interpolation;
+
+/// What the selected clips move: nodes, with everything below them, and morph weights.
+pub(crate) struct Moving {
+    /// Per node: whether its world transform depends on some clip's time.
+    pub nodes: Vec<bool>,
+    /// Per node: whether its morph weights do.
+    pub morphs: Vec<bool>,
+}
+
+impl Moving {
+    pub(crate) fn new(animation: &Animation, clips: &[usize]) -> Self {
+        let mut nodes = vec![false; animation.nodes.len()];
+        let mut morphs = nodes.clone();
+        for channel in clips.iter().flat_map(|clip| &animation.clips[*clip].channels) {
+            let weights = channel.target == ChannelTarget::Weights;
+            if !holds_still(animation, channel) {
+                if weights {
+                    morphs[channel.node] = true
+                } else {
+                    nodes[channel.node] = true
+                }
+            }
+        }
+        for node in parents_first(animation) {
+            if let Some(parent) = animation.nodes[node].parent {
+                nodes[node] |= nodes[parent];
+            }
+        }
+        Self { nodes, morphs }
+    }
+}
+
+/// All nodes, each after its parent, in ascending order among those of one depth. Linear, without recursion: source
+/// files may hold chains of any length.
+pub(crate) fn parents_first(animation: &Animation) -> Vec<usize> {
+    let mut depths = vec![None; animation.nodes.len()];
+    let mut path = Vec::new();
+    for start in 0..depths.len() {
+        let mut next = Some(start);
+        while let Some(node) = next.filter(|node| depths[*node].is_none()) {
+            path.push(node);
+            next = animation.nodes[node].parent;
+        }
+        let mut depth = next.and_then(|node| depths[node]).map_or(0usize, |depth| depth + 1);
+        while let Some(node) = path.pop() {
+            depths[node] = Some(depth);
+            depth += 1;
+        }
+    }
+    let mut order: Vec<usize> = (0..depths.len()).collect();
+    order.sort_by_key(|node| depths[*node]);
+    order
+}
+
+/// True when a channel only repeats what the node has without it.
+fn holds_still(animation: &Animation, channel: &Channel) -> bool {
+    let node = &animation.nodes[channel.node];
+    let unset: &[f32] = match (&node.local, channel.target) {
+        (_, ChannelTarget::Weights) => &node.weights,
+        (Local::Trs { translation, .. }, ChannelTarget::Translation) => translation,
+        (Local::Trs { rotation, .. }, ChannelTarget::Rotation) => rotation,
+        (Local::Trs { scale, .. }, ChannelTarget::Scale) => scale,
+        (Local::Matrix(_), _) => return false,
+    };
+    if unset.is_empty() {
+        return true;
+    }
+    channel.values.chunks(unset.len()).enumerate().all(|(chunk, values)| {
+        let tangent = channel.interpolation == Interpolation::CubicSpline && chunk % 3 != 1;
+        if tangent {
+            values.iter().all(|x| *x == 0.0)
+        } else {
+            values == unset
+        }
+    })
+}

@@ -1,0 +1,145 @@
+use crate::{
+    BakeError, BakeReport, BakeSettings, ClipSelection, PartReport, Progress, StageSeconds,
+    assemble::assemble,
+    import::Animation,
+    motion::{Carried, Moving, classify, decompose},
+    poses, trees,
+};
+use restpose_formats::{Bounds, Hashes, Model, geom::Aabb, rows::MotionClass};
+use std::time::Instant;
+
+/// A baked animation.
+#[derive(Clone, Debug)]
+pub struct Baked {
+    /// The contents of the file; [`restpose_formats::write`] makes it bytes.
+    pub model: Model,
+    /// What was found and made.
+    pub report: BakeReport,
+}
+
+/// Bakes an animation: classify, assemble, sample, decompose, build, in this order.
+///
+/// Guarantee: the same model, bit for bit, for the same animation and settings, on any number of threads.
+///
+/// # Errors
+/// [`BakeError`]: settings that do not fit the source, or a source too large for the format.
+pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progress) -> Result<Baked, BakeError> {
+    settings.check()?;
+    let mut seconds = StageSeconds::default();
+    let mut clock = Instant::now();
+    let mut lap = |stage: &mut f64| *stage = std::mem::replace(&mut clock, Instant::now()).elapsed().as_secs_f64();
+
+    progress.stage("assemble", 1);
+    let clips = selected_clips(animation, &settings.clips)?;
+    let moving = Moving::new(animation, &clips);
+    let classes = classify(animation, &moving, settings)?;
+    let assembled = assemble(animation, &classes, &clips)?;
+    let mut model = assembled.model;
+    progress.advance(1);
+    lap(&mut seconds.assemble);
+
+    let Bounds::Sampled = settings.bounds;
+    model.samples = poses::sample_rows(&model, settings)?;
+    progress.stage("sample", model.samples.len() as u64);
+    let poses = poses::evaluate(&model, &model.samples, progress)?;
+    lap(&mut seconds.sample);
+
+    progress.stage("decompose", model.triangles.len() as u64);
+    let carried = decompose(&model, &assembled.bones_of_part, &poses, progress);
+    if carried.is_empty() {
+        return Err(BakeError::NothingToTrace);
+    }
+    lap(&mut seconds.decompose);
+
+    progress.stage("build", carried.len() as u64);
+    trees::add_clusters(&mut model, carried.clone(), progress)?;
+    lap(&mut seconds.build);
+
+    model.hashes = Hashes {
+        source: animation.source_hash,
+        options: settings.hash(),
+    };
+    model.meta.generator = concat!("restpose ", env!("CARGO_PKG_VERSION")).to_owned();
+    model.meta.source_name = animation.source_name.clone();
+    model.meta.options = settings.listed();
+    model.meta.bounds = settings.bounds;
+
+    let reasons = classes.into_iter().map(|class| class.reason);
+    let parts = part_reports(&model, &carried, reasons);
+    let report = BakeReport {
+        parts,
+        triangles: model.triangles.len() as u64,
+        degenerate_triangles: u64::from(model.meta.degenerate_triangle_count),
+        vertices: model.vertices.len().saturating_sub(1) as u64,
+        bones: model.bones.len() as u64,
+        clusters: model.clusters.len() as u64,
+        samples: model.samples.len() as u64,
+        fuzzy_box_area: carried.iter().map(|carried| carried.fuzzy_box.surface_area()).sum(),
+        tree_nodes: model.kd_nodes.len() as u64,
+        tree_references: model.references.len() as u64,
+        seconds,
+    };
+    Ok(Baked { model, report })
+}
+
+/// Numbers of the selected clips, ascending.
+fn selected_clips(animation: &Animation, selection: &ClipSelection) -> Result<Vec<usize>, BakeError> {
+    let names = match selection {
+        ClipSelection::All => return Ok((0..animation.clips.len()).collect()),
+        ClipSelection::Named(names) => names,
+    };
+    let name_of = |(number, clip): (usize, &crate::import::Clip)| {
+        if clip.name.is_empty() {
+            number.to_string()
+        } else {
+            clip.name.clone()
+        }
+    };
+    let known: Vec<String> = animation.clips.iter().enumerate().map(name_of).collect();
+    let mut out = Vec::new();
+    for name in names {
+        let found = known
+            .iter()
+            .enumerate()
+            .filter(|(_, known)| *known == name)
+            .map(|(number, _)| number);
+        let before = out.len();
+        out.extend(found);
+        if out.len() == before {
+            return Err(BakeError::UnknownClip {
+                name: name.clone(),
+                known,
+            });
+        }
+    }
+    out.sort_unstable();
+    out.dedup();
+    Ok(out)
+}
+
+fn part_reports(model: &Model, carried: &[Carried], reasons: impl Iterator<Item = String>) -> Vec<PartReport> {
+    let parts = model.parts.iter().zip(&model.meta.part_names).zip(reasons);
+    parts
+        .map(|((row, name), reason)| {
+            let begin = carried.partition_point(|carried| carried.triangle < row.triangle_first);
+            let end = carried.partition_point(|carried| carried.triangle < row.triangle_first + row.triangle_count);
+            let own = &carried[begin..end];
+            let mut bones: Vec<u32> = own.iter().map(|carried| carried.bone).collect();
+            bones.sort_unstable();
+            bones.dedup();
+            let rest_box = |carried: &Carried| {
+                let corners = model.triangles[carried.triangle as usize].corners;
+                Aabb::around(corners.map(|corner| model.vertices[corner as usize].position_rest)).surface_area()
+            };
+            PartReport {
+                name: name.clone(),
+                class: MotionClass::from_number(row.class).unwrap_or(MotionClass::Static),
+                reason,
+                triangles: u64::from(row.triangle_count),
+                clusters: bones.len() as u64,
+                fuzzy_box_area: own.iter().map(|carried| carried.fuzzy_box.surface_area()).sum(),
+                rest_box_area: own.iter().map(rest_box).sum(),
+            }
+        })
+        .collect()
+}

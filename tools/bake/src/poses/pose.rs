@@ -1,0 +1,52 @@
+use crate::{BakeError, Progress};
+use rayon::prelude::*;
+use restpose_formats::{
+    Model,
+    geom::Affine,
+    rows::{NONE, SampleRow},
+};
+use restpose_runtime::{PoseEvaluator, invert_frame};
+
+/// A pose of the pose space, with the very numbers that the runtime poses with.
+pub(crate) struct SampledPose {
+    /// Asset space from rest space, per bone row.
+    pub palette: Vec<Affine>,
+    /// Per morph target row.
+    pub morph_weights: Vec<f32>,
+    /// Rest space from asset space, rows of the linear part, per bone row; `None` where the runtime, too, will find no
+    /// usable inverse and trace that cluster without its tree.
+    pub inverses: Vec<Option<[[f64; 3]; 3]>>,
+}
+
+/// Evaluates the samples on all cores; order and bits do not depend on how many there are.
+pub(crate) fn evaluate(
+    model: &Model,
+    samples: &[SampleRow],
+    progress: &dyn Progress,
+) -> Result<Vec<SampledPose>, BakeError> {
+    let view = model.view();
+    samples
+        .par_iter()
+        .map_init(PoseEvaluator::default, |evaluator, sample| {
+            let clip = (sample.clip != NONE).then_some(sample.clip as usize);
+            let (mut palette, mut morph_weights) = (Vec::new(), Vec::new());
+            evaluator.evaluate(&view, clip, sample.seconds, &mut palette, &mut morph_weights);
+            if let Some(bone) = palette.iter().position(|x| !x.is_finite()) {
+                let bone = model.meta.bone_names[bone].clone();
+                let clip = clip.map_or(String::new(), |clip| model.meta.clip_names[clip].clone());
+                return Err(BakeError::PoseOverflow {
+                    bone,
+                    clip,
+                    seconds: sample.seconds,
+                });
+            }
+            let inverses = palette.iter().map(invert_frame).collect();
+            progress.advance(1);
+            Ok(SampledPose {
+                palette,
+                morph_weights,
+                inverses,
+            })
+        })
+        .collect()
+}

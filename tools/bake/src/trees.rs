@@ -1,0 +1,75 @@
+use crate::{BakeError, Progress, assemble::row_count, motion::Carried};
+use rayon::prelude::*;
+use restpose_formats::{
+    Model,
+    geom::Aabb,
+    rows::{ClusterBoneRow, ClusterRow},
+};
+use restpose_runtime::build::{KdBuilder, KdSettings, KdTree};
+
+/// Builds one cluster with its fuzzy kd-tree for every bone that carries triangles, bones ascending.
+pub(crate) fn add_clusters(
+    model: &mut Model,
+    mut carried: Vec<Carried>,
+    progress: &dyn Progress,
+) -> Result<(), BakeError> {
+    carried.sort_by_key(|carried| (carried.bone, carried.triangle));
+    let groups: Vec<&[Carried]> = carried.chunk_by(|a, b| a.bone == b.bone).collect();
+    let trees: Vec<KdTree> = groups
+        .par_iter()
+        .map(|group| {
+            let boxes: Vec<Aabb> = group.iter().map(|carried| carried.fuzzy_box).collect();
+            let mut tree = KdTree::default();
+            KdBuilder::new().build(&boxes, &KdSettings::default(), &mut tree);
+            debug_assert_eq!(tree.validate(&boxes), Ok(()));
+            progress.advance(group.len() as u64);
+            tree
+        })
+        .collect();
+    for (group, tree) in groups.into_iter().zip(trees) {
+        let cluster_bones = cluster_bones(model, group);
+        model.clusters.push(ClusterRow {
+            bone: group[0].bone,
+            node_first: row_count("tree nodes", model.kd_nodes.len())?,
+            node_count: row_count("tree nodes", tree.nodes.len())?,
+            reference_first: row_count("triangle references", model.references.len())?,
+            reference_count: row_count("triangle references", tree.references.len())?,
+            cluster_bone_first: row_count("cluster bones", model.cluster_bones.len())?,
+            cluster_bone_count: row_count("cluster bones", cluster_bones.len())?,
+            triangle_count: row_count("triangles", group.len())?,
+            bounds_local: tree.bounds,
+            reserved: [0; 2],
+        });
+        model.kd_nodes.extend_from_slice(&tree.nodes);
+        model
+            .references
+            .extend(tree.references.iter().map(|index| group[*index as usize].triangle));
+        model.cluster_bones.extend(cluster_bones);
+    }
+    row_count("tree nodes", model.kd_nodes.len())?;
+    row_count("triangle references", model.references.len())?;
+    Ok(())
+}
+
+/// The bones that move vertices of these triangles, ascending, with the extent of those vertices.
+fn cluster_bones(model: &Model, group: &[Carried]) -> Vec<ClusterBoneRow> {
+    let mut extents: Vec<Option<[f32; 3]>> = vec![None; model.bones.len()];
+    for corner in group
+        .iter()
+        .flat_map(|carried| model.triangles[carried.triangle as usize].corners)
+    {
+        let row = model.vertices[corner as usize];
+        let influences = row.influence_first as usize..model.vertices[corner as usize + 1].influence_first as usize;
+        for influence in &model.influences[influences] {
+            let extent = extents[influence.bone as usize].get_or_insert([0.0; 3]);
+            *extent = std::array::from_fn(|k| extent[k].max(row.position_rest[k].abs()));
+        }
+    }
+    let row = |(bone, extent): (usize, Option<[f32; 3]>)| {
+        Some(ClusterBoneRow {
+            bone: bone as u32,
+            extent: extent?,
+        })
+    };
+    extents.into_iter().enumerate().filter_map(row).collect()
+}

@@ -1,0 +1,218 @@
+//! Verification: the runtime's hits against brute force over posed triangles, and its vertices against the source.
+
+mod oracle;
+mod rays;
+mod source_pose;
+
+pub use oracle::Oracle;
+pub use rays::{RayKind, Rays};
+pub use source_pose::SourcePose;
+
+use crate::{
+    Progress,
+    import::{Animation, ImportError},
+};
+use rayon::prelude::*;
+use restpose_formats::rows::NONE;
+use restpose_runtime::{Affine, Asset, InstanceId, Ray, Scene};
+use serde::Serialize;
+use std::sync::Arc;
+
+/// Poses whose rays run as one batch; memory is that of one pose.
+const LARGEST_POSE_COUNT: u64 = 64;
+
+/// What to verify.
+#[derive(Clone, Debug)]
+pub struct VerifySettings {
+    /// Rays over all poses. Default 100,000.
+    pub rays: u64,
+    /// Poses, spread evenly over the file's samples. Default 16, at most 64 and at most as many as there are samples.
+    pub poses: u64,
+    /// Seed of rays and instance transforms. Default 1.
+    pub seed: u64,
+}
+
+impl Default for VerifySettings {
+    fn default() -> Self {
+        Self {
+            rays: 100_000,
+            poses: 16,
+            seed: 1,
+        }
+    }
+}
+
+/// What was found.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct VerifyReport {
+    /// Rays traced, each by `closest_hit`, `any_hit`, and by brute force.
+    pub rays: u64,
+    /// Poses.
+    pub poses: u64,
+    /// Rays that hit something, by brute force.
+    pub hits: u64,
+    /// Rays that hit by brute force and miss by the runtime, closest or any.
+    pub missed: u64,
+    /// Rays whose hit differs in any bit, or that hit only by the runtime.
+    pub wrong: u64,
+    /// Greatest distance between a vertex as posed and the source evaluated in `f64`, relative to the model's size.
+    pub max_vertex_error: f64,
+    /// Triangles tested by brute force.
+    pub oracle_tests: u64,
+    /// The first few rays that went wrong, to reproduce them.
+    pub failures: Vec<Failure>,
+}
+
+/// A ray whose hit is not the oracle's.
+#[derive(Clone, Debug, Serialize)]
+pub struct Failure {
+    /// Row of the sample section.
+    pub sample: usize,
+    /// Ray origin.
+    pub origin: [f32; 3],
+    /// Ray direction.
+    pub direction: [f32; 3],
+    /// `t` and triangle by brute force.
+    pub expected: Option<(f32, u32)>,
+    /// `t` and triangle by the runtime.
+    pub found: Option<(f32, u32)>,
+}
+
+/// Why nothing was verified.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum VerifyError {
+    /// The source is not the one that the file was baked from.
+    #[error(
+        "{source_name} is not what this file was baked from: its content hash differs; bake it again, or give the original source"
+    )]
+    OtherSource {
+        /// Name of the source given.
+        source_name: String,
+    },
+    /// The source could not be imported.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+}
+
+/// Failures that a report lists.
+const LISTED_FAILURES: usize = 8;
+
+/// Compares, bit for bit, `closest_hit` and `any_hit` with brute force over all triangles, in poses from the file's
+/// samples, every second one under a random instance transform; and every vertex with the source in `f64`.
+///
+/// # Errors
+/// [`VerifyError::OtherSource`]. Wrong hits are results, not errors.
+pub fn verify(
+    asset: &Arc<Asset>,
+    source: &Animation,
+    settings: &VerifySettings,
+    progress: &dyn Progress,
+) -> Result<VerifyReport, VerifyError> {
+    let model = asset.model();
+    if model.hashes.source != source.source_hash {
+        return Err(VerifyError::OtherSource {
+            source_name: source.source_name.clone(),
+        });
+    }
+    let samples = model.samples.len() as u64;
+    let poses = settings
+        .poses
+        .clamp(1, LARGEST_POSE_COUNT)
+        .min(samples.max(1))
+        .min(settings.rays.max(1));
+    let mut report = VerifyReport {
+        poses,
+        ..VerifyReport::default()
+    };
+    let mut random = fastrand::Rng::with_seed(settings.seed);
+    let mut scene = Scene::new();
+    let instance = scene.add(asset);
+    let mut source_pose = SourcePose::new(source, model);
+
+    progress.stage("verify", settings.rays);
+    for pose in 0..poses {
+        let sample = (pose * samples / poses) as usize;
+        let row = model.samples[sample];
+        let transform = if pose % 2 == 0 {
+            Affine::IDENTITY
+        } else {
+            random_transform(&mut random)
+        };
+        let posed = if row.clip == NONE {
+            scene.set_default_pose(instance)
+        } else {
+            scene.play(instance, row.clip as usize, row.seconds)
+        };
+        let placed = scene.set_transform(instance, Affine::IDENTITY);
+        debug_assert!(posed.is_ok() && placed.is_ok());
+        let error = source_pose.greatest_error(&scene.commit(), instance, row);
+        report.max_vertex_error = report.max_vertex_error.max(error);
+
+        let placed = scene.set_transform(instance, transform);
+        debug_assert!(placed.is_ok());
+        let rays = settings.rays * (pose + 1) / poses - settings.rays * pose / poses;
+        verify_pose(&mut scene, instance, sample, rays, &mut random, &mut report, progress);
+    }
+    Ok(report)
+}
+
+fn verify_pose(
+    scene: &mut Scene,
+    instance: InstanceId,
+    sample: usize,
+    ray_count: u64,
+    random: &mut fastrand::Rng,
+    report: &mut VerifyReport,
+    progress: &dyn Progress,
+) {
+    let frame = scene.commit();
+    let oracle = Oracle::new(&frame, &[instance]);
+    let rays: Vec<Ray> = Rays::new(&oracle, random.u64(..)).take(ray_count as usize).collect();
+    let outcomes: Vec<(Option<_>, Option<_>, bool)> = rays
+        .par_iter()
+        .map(|ray| {
+            progress.advance(1);
+            (oracle.closest_hit(ray), frame.closest_hit(ray), frame.any_hit(ray))
+        })
+        .collect();
+    for (ray, (expected, found, any)) in rays.iter().zip(outcomes) {
+        report.rays += 1;
+        report.hits += u64::from(expected.is_some());
+        let missed = expected.is_some() && (found.is_none() || !any);
+        let wrong = !missed && (expected != found || any != expected.is_some());
+        report.missed += u64::from(missed);
+        report.wrong += u64::from(wrong);
+        if (missed || wrong) && report.failures.len() < LISTED_FAILURES {
+            let brief = |hit: Option<restpose_runtime::Hit>| hit.map(|hit| (hit.t, hit.triangle));
+            let (origin, direction) = (ray.origin, ray.direction);
+            report.failures.push(Failure {
+                sample,
+                origin,
+                direction,
+                expected: brief(expected),
+                found: brief(found),
+            });
+        }
+    }
+    report.oracle_tests += ray_count * oracle.triangle_count() as u64;
+}
+
+/// A rotation, mirrored at times, with uneven scale and a translation of a few units.
+fn random_transform(random: &mut fastrand::Rng) -> Affine {
+    let mut signed = |magnitude: f64| (random.f64() * 2.0 - 1.0) * magnitude;
+    let axis = glam::DVec3::new(signed(1.0), signed(1.0), signed(1.0))
+        .try_normalize()
+        .unwrap_or(glam::DVec3::X);
+    let rotation = glam::DQuat::from_axis_angle(axis, signed(3.1));
+    let translation = glam::DVec3::new(signed(8.0), signed(8.0), signed(8.0));
+    let scale = glam::DVec3::new(
+        1.0 + signed(0.6),
+        1.0 + signed(0.6),
+        (1.0 + signed(0.6)) * signed(1.0).signum(),
+    );
+    let map = glam::DAffine3::from_scale_rotation_translation(scale, rotation, translation);
+    Affine {
+        columns: map.to_cols_array_2d().map(|column| column.map(|x| x as f32)),
+    }
+}
