@@ -3,13 +3,16 @@
 //! Guarantee: the same bytes on every platform and in every build; sines come from `libm`, sums have a fixed order.
 
 pub mod column;
+pub mod creature;
 pub mod figure;
 pub mod flat_mesh;
+pub mod flower;
 pub mod gait;
 pub mod gltf_json;
 pub mod gltf_writer;
 pub mod limbs;
 pub mod machine;
+pub mod mixed;
 pub mod rotation;
 pub mod skinning;
 pub mod solids;
@@ -41,5 +44,6 @@ pub fn scene_files() -> Result<Vec<SceneFile>, WriteError> {
         file("tentacle.gltf", tentacle),
         file("tentacle.bin", tentacle_buffer),
         file("machine.gltf", machine::machine_gltf()?),
+        file("mixed.glb", mixed::mixed_glb()?),
     ])
 }
