@@ -33,9 +33,7 @@ pub enum FormatError {
         found: [u8; 10],
     },
     /// The end is missing.
-    #[error(
-        "the {what} is cut short: expected {expected} bytes, found {found}; copy the file again or re-bake it"
-    )]
+    #[error("the {what} is cut short: expected {expected} bytes, found {found}; copy the file again or re-bake it")]
     Truncated {
         /// What ends too early.
         what: &'static str,
@@ -71,9 +69,7 @@ pub enum FormatError {
         supported: &'static [FormatVersion],
     },
     /// A header length that this version does not have.
-    #[error(
-        "the header says that it is {found} bytes long, expected {expected}; copy the file again or re-bake it"
-    )]
+    #[error("the header says that it is {found} bytes long, expected {expected}; copy the file again or re-bake it")]
     HeaderLength {
         /// Bytes in this version.
         expected: u32,
@@ -103,9 +99,7 @@ pub enum FormatError {
         found: u32,
     },
     /// A reserved header field is in use.
-    #[error(
-        "header field `{field}` is {found}, expected zero; re-bake the source with a matching version of restpose"
-    )]
+    #[error("header field `{field}` is {found}, expected zero; re-bake the source with a matching version of restpose")]
     HeaderReserved {
         /// Field.
         field: &'static str,
@@ -122,9 +116,7 @@ pub enum FormatError {
         unknown: u64,
     },
     /// An optional-feature bit contradicts the metadata.
-    #[error(
-        "optional feature bit {bit:#x} is {found}, but the metadata says {expected}; re-bake the source"
-    )]
+    #[error("optional feature bit {bit:#x} is {found}, but the metadata says {expected}; re-bake the source")]
     FeatureMismatch {
         /// The bit.
         bit: u64,
@@ -149,9 +141,7 @@ pub enum FormatError {
         section: SectionKind,
     },
     /// A section stands twice or in the wrong place of the order.
-    #[error(
-        "line {line} of the section table is {section}, which is repeated or out of order; re-bake the source"
-    )]
+    #[error("line {line} of the section table is {section}, which is repeated or out of order; re-bake the source")]
     SectionOrder {
         /// Section.
         section: SectionKind,
@@ -159,9 +149,7 @@ pub enum FormatError {
         line: usize,
     },
     /// A section that this library does not know and may not skip.
-    #[error(
-        "section {code} is not known and not marked optional; update the library or re-bake the source"
-    )]
+    #[error("section {code} is not known and not marked optional; update the library or re-bake the source")]
     SectionUnknown {
         /// Its code.
         code: SectionCode,
@@ -180,9 +168,7 @@ pub enum FormatError {
         found: u16,
     },
     /// A section's flags are unknown, or it is marked optional and is not.
-    #[error(
-        "section {code} has flags {found:#06x}, which are not allowed for it; re-bake the source"
-    )]
+    #[error("section {code} has flags {found:#06x}, which are not allowed for it; re-bake the source")]
     SectionFlags {
         /// Its code.
         code: SectionCode,
@@ -215,9 +201,7 @@ pub enum FormatError {
         byte_len: u64,
     },
     /// A section does not begin on the first boundary after what precedes it.
-    #[error(
-        "section {code} begins at byte {found}, expected {expected}; copy the file again or re-bake it"
-    )]
+    #[error("section {code} begins at byte {found}, expected {expected}; copy the file again or re-bake it")]
     SectionOffset {
         /// Its code.
         code: SectionCode,
@@ -242,9 +226,7 @@ pub enum FormatError {
         file_len: u64,
     },
     /// The file goes on after the last section.
-    #[error(
-        "the sections end at byte {expected}, but the file has {found} bytes; copy the file again or re-bake it"
-    )]
+    #[error("the sections end at byte {expected}, but the file has {found} bytes; copy the file again or re-bake it")]
     BytesAfterSections {
         /// End of the last section.
         expected: u64,
@@ -281,9 +263,7 @@ pub enum FormatError {
         fault: MetaFault,
     },
     /// A list in the metadata does not have one entry per row.
-    #[error(
-        "metadata list `{list}` has {found} entries, expected one per row of {section}, {expected}; {RE_BAKE}"
-    )]
+    #[error("metadata list `{list}` has {found} entries, expected one per row of {section}, {expected}; {RE_BAKE}")]
     MetaListLength {
         /// List.
         list: &'static str,
@@ -295,9 +275,7 @@ pub enum FormatError {
         found: usize,
     },
     /// The metadata miscounts the degenerate triangles.
-    #[error(
-        "the metadata counts {found} degenerate triangles, expected {expected} as in TRIS; {RE_BAKE}"
-    )]
+    #[error("the metadata counts {found} degenerate triangles, expected {expected} as in TRIS; {RE_BAKE}")]
     DegenerateTriangleCount {
         /// Triangles with three equal corners.
         expected: u64,
@@ -305,14 +283,10 @@ pub enum FormatError {
         found: u64,
     },
     /// Nothing to trace.
-    #[error(
-        "section TRIS is empty, expected at least one triangle; bake a source that has triangles"
-    )]
+    #[error("section TRIS is empty, expected at least one triangle; bake a source that has triangles")]
     NoTriangles,
     /// A section has not as many rows as the sections that refer to it account for.
-    #[error(
-        "section {section} has {found} rows, expected {expected} as the sections that refer to it say; {RE_BAKE}"
-    )]
+    #[error("section {section} has {found} rows, expected {expected} as the sections that refer to it say; {RE_BAKE}")]
     RowCount {
         /// Section.
         section: SectionKind,
@@ -337,11 +311,7 @@ pub enum FormatError {
 const RE_BAKE: &str = "the program that wrote it is at fault: re-bake the source";
 
 fn version_list(versions: &[FormatVersion]) -> String {
-    versions
-        .iter()
-        .map(ToString::to_string)
-        .collect::<Vec<_>>()
-        .join(", ")
+    versions.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
 impl From<MetaFault> for FormatError {

@@ -6,9 +6,7 @@ use crate::{
 use bytemuck::{Pod, Zeroable};
 
 #[cfg(target_endian = "big")]
-compile_error!(
-    "rows are read in place and little-endian; a big-endian host needs a reader that copies"
-);
+compile_error!("rows are read in place and little-endian; a big-endian host needs a reader that copies");
 
 /// The first ten bytes of a file, in the manner of PNG: a byte above 127 and both kinds of line ending, so that
 /// a transfer in text mode shows.
@@ -158,11 +156,10 @@ fn check_magic(bytes: &[u8]) -> Result<(), FormatError> {
     // the high bit cut off, the high byte encoded or replaced as if it were text.
     let name = &MAGIC[1..6];
     let starts: [&[u8]; 5] = [b"\x8B", b"\x0B", b"\xC2\x8B", b"\xEF\xBF\xBD", b"?"];
-    if starts.iter().any(|start| {
-        bytes
-            .strip_prefix(*start)
-            .is_some_and(|rest| rest.starts_with(name))
-    }) {
+    if starts
+        .iter()
+        .any(|start| bytes.strip_prefix(*start).is_some_and(|rest| rest.starts_with(name)))
+    {
         return Err(FormatError::TextModeTransfer { found });
     }
     Err(FormatError::NotRestpose { found })

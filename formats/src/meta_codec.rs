@@ -63,10 +63,8 @@ fn config() -> impl Config {
 /// [`MetaFault::TooLarge`], or what the codec reports.
 pub(crate) fn encode(meta: &Meta) -> Result<Vec<u8>, MetaFault> {
     let mut bytes = vec![BINCODE_2_STANDARD];
-    bincode::serde::encode_into_std_write(meta, &mut bytes, config()).map_err(|error| {
-        MetaFault::Encode {
-            cause: error.to_string(),
-        }
+    bincode::serde::encode_into_std_write(meta, &mut bytes, config()).map_err(|error| MetaFault::Encode {
+        cause: error.to_string(),
     })?;
     // The limit also covers what decoding allocates, which only decoding can tell.
     decode_bytes(&bytes)?;
@@ -98,12 +96,9 @@ fn decode_bytes(bytes: &[u8]) -> Result<Meta, MetaFault> {
             found: bytes.len() as u64,
         });
     }
-    let (meta, consumed) =
-        bincode::serde::decode_from_slice(payload, config()).map_err(|error| {
-            MetaFault::Decode {
-                cause: error.to_string(),
-            }
-        })?;
+    let (meta, consumed) = bincode::serde::decode_from_slice(payload, config()).map_err(|error| MetaFault::Decode {
+        cause: error.to_string(),
+    })?;
     if consumed != payload.len() {
         return Err(MetaFault::Unconsumed {
             consumed: consumed + 1,
@@ -149,18 +144,7 @@ mod tests {
 
     #[test]
     fn a_hostile_length_is_refused_before_it_is_allocated() {
-        let bytes = [
-            BINCODE_2_STANDARD,
-            253,
-            255,
-            255,
-            255,
-            255,
-            255,
-            255,
-            255,
-            127,
-        ];
+        let bytes = [BINCODE_2_STANDARD, 253, 255, 255, 255, 255, 255, 255, 255, 127];
         assert!(matches!(decode(&bytes), Err(MetaFault::Decode { .. })));
     }
 

@@ -1,9 +1,8 @@
 use crate::{
     Meta,
     rows::{
-        BoneRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterRow, InfluenceRow, KdNodeRow,
-        MorphDeltaRow, MorphSetRow, MorphTargetRow, NodeRow, PartRow, PrimitiveRow, SampleRow,
-        TriangleRow, VertexRow,
+        BoneRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterRow, InfluenceRow, KdNodeRow, MorphDeltaRow, MorphSetRow,
+        MorphTargetRow, NodeRow, PartRow, PrimitiveRow, SampleRow, TriangleRow, VertexRow,
     },
 };
 

@@ -83,10 +83,6 @@ fn check_features(header: &Header, view: &ModelView<'_>) -> Result<(), FormatErr
     if expected == found {
         Ok(())
     } else {
-        Err(FormatError::FeatureMismatch {
-            bit,
-            expected,
-            found,
-        })
+        Err(FormatError::FeatureMismatch { bit, expected, found })
     }
 }

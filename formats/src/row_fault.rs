@@ -176,9 +176,7 @@ pub enum RowFault {
         vertex: u64,
     },
     /// A value is larger than the extent that stands for it.
-    #[error(
-        "`{field}` is {found} on axis {axis}, expected at most {extent} in size, the extent of row {extent_row}"
-    )]
+    #[error("`{field}` is {found} on axis {axis}, expected at most {extent} in size, the extent of row {extent_row}")]
     BeyondExtent {
         /// Field.
         field: &'static str,

@@ -1,7 +1,6 @@
 use crate::rows::{
-    BoneRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterRow, InfluenceRow, KdNodeRow,
-    MorphDeltaRow, MorphSetRow, MorphTargetRow, NodeRow, PartRow, PrimitiveRow, SampleRow,
-    TriangleRow, VertexRow,
+    BoneRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterRow, InfluenceRow, KdNodeRow, MorphDeltaRow, MorphSetRow,
+    MorphTargetRow, NodeRow, PartRow, PrimitiveRow, SampleRow, TriangleRow, VertexRow,
 };
 use bytemuck::{Pod, Zeroable};
 use std::fmt;

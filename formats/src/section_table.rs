@@ -13,34 +13,16 @@ impl<'a> Sections<'a> {
     /// Walks the section table of the file `bytes` and checks order, layout, bounds, gaps and checksums.
     pub(crate) fn open(bytes: &'a [u8], table: &[u8]) -> Result<Self, FormatError> {
         let entries = table.chunks_exact(size_of::<SectionEntry>());
+        let entries: Vec<SectionEntry> = entries.map(bytemuck::pod_read_unaligned).collect();
+        let kinds = check_kinds(&entries)?;
         let mut found = Vec::with_capacity(SectionKind::ALL.len());
-        let mut expected_kinds = SectionKind::ALL.iter().copied().peekable();
         let mut end = Header::LEN + table.len();
-        for (line, entry) in entries.enumerate() {
-            let entry: SectionEntry = bytemuck::pod_read_unaligned(entry);
-            let kind = check_kind(&entry)?;
-            if let Some(kind) = kind {
-                match expected_kinds.peek() {
-                    Some(expected) if *expected == kind => expected_kinds.next(),
-                    Some(expected) if *expected < kind => {
-                        return Err(missing_or_order(*expected, kind, line, table));
-                    }
-                    _ => {
-                        return Err(FormatError::SectionOrder {
-                            section: kind,
-                            line,
-                        });
-                    }
-                };
-            }
-            let section = locate(&entry, bytes, end)?;
+        for (entry, kind) in entries.iter().zip(kinds) {
+            let section = locate(entry, bytes, end)?;
             end = section.end;
             if let Some(kind) = kind {
                 found.push((kind, section.bytes));
             }
-        }
-        if let Some(section) = expected_kinds.next() {
-            return Err(FormatError::SectionMissing { section });
         }
         if end != bytes.len() {
             return Err(FormatError::BytesAfterSections {
@@ -57,6 +39,28 @@ impl<'a> Sections<'a> {
         section
             .map(|(_, bytes)| *bytes)
             .ok_or(FormatError::SectionMissing { section: kind })
+    }
+}
+
+/// The kind of each entry, `None` where it is unknown and may be skipped: every known section once, in file order.
+fn check_kinds(entries: &[SectionEntry]) -> Result<Vec<Option<SectionKind>>, FormatError> {
+    let mut expected = SectionKind::ALL.iter().copied();
+    let mut kinds = Vec::with_capacity(entries.len());
+    for (line, entry) in entries.iter().enumerate() {
+        let kind = check_kind(entry)?;
+        kinds.push(kind);
+        let Some(section) = kind else { continue };
+        match expected.next() {
+            Some(next) if next == section => {}
+            Some(next) if next < section && !entries.iter().any(|entry| entry.code == next.code()) => {
+                return Err(FormatError::SectionMissing { section: next });
+            }
+            _ => return Err(FormatError::SectionOrder { section, line }),
+        }
+    }
+    match expected.next() {
+        Some(section) => Err(FormatError::SectionMissing { section }),
+        None => Ok(kinds),
     }
 }
 
@@ -93,37 +97,13 @@ fn check_kind(entry: &SectionEntry) -> Result<Option<SectionKind>, FormatError> 
     Ok(Some(kind))
 }
 
-/// Tells an absent section from one that stands further down.
-fn missing_or_order(
-    expected: SectionKind,
-    kind: SectionKind,
-    line: usize,
-    table: &[u8],
-) -> FormatError {
-    let mut codes = table
-        .chunks_exact(size_of::<SectionEntry>())
-        .map(|entry| entry.get(..4));
-    if codes.any(|code| code == Some(&expected.code())) {
-        FormatError::SectionOrder {
-            section: kind,
-            line,
-        }
-    } else {
-        FormatError::SectionMissing { section: expected }
-    }
-}
-
 struct Located<'a> {
     bytes: &'a [u8],
     end: usize,
 }
 
 /// Finds the section's bytes in `bytes`, after whatever ended at byte `previous_end`.
-fn locate<'a>(
-    entry: &SectionEntry,
-    bytes: &'a [u8],
-    previous_end: usize,
-) -> Result<Located<'a>, FormatError> {
+fn locate<'a>(entry: &SectionEntry, bytes: &'a [u8], previous_end: usize) -> Result<Located<'a>, FormatError> {
     let SectionEntry {
         code,
         row_size,
@@ -177,8 +157,5 @@ fn locate<'a>(
             found: checksum,
         });
     }
-    Ok(Located {
-        bytes: section,
-        end,
-    })
+    Ok(Located { bytes: section, end })
 }

@@ -33,11 +33,7 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
         for channel in range.clone() {
             let property = check_channel(view, channel, &breaks)?;
             if std::mem::replace(&mut moved_last[property], at) == at {
-                return Err(row(
-                    SectionKind::Channels,
-                    channel,
-                    RowFault::RepeatedChannel,
-                ));
+                return Err(row(SectionKind::Channels, channel, RowFault::RepeatedChannel));
             }
         }
         check_clip_times(view, at, clip, range)?;
@@ -57,10 +53,7 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
 /// walking each channel's times could take quadratic time in a hostile file.
 fn time_breaks(times: &[f32]) -> Vec<usize> {
     let pairs = times.windows(2).enumerate();
-    pairs
-        .filter(|(_, pair)| pair[0] >= pair[1])
-        .map(|(at, _)| at)
-        .collect()
+    pairs.filter(|(_, pair)| pair[0] >= pair[1]).map(|(at, _)| at).collect()
 }
 
 /// Checks a channel and returns the number of the property that it moves.
@@ -71,22 +64,14 @@ fn check_channel(view: &ModelView<'_>, at: usize, breaks: &[usize]) -> Result<us
     let (path, interpolation) = decode(at, channel)?;
     let (property, width) = if path == Path::Weights {
         let set = index(section, at, "target", channel.target, view.morph_sets.len())?;
-        (
-            view.nodes.len() * 3 + set,
-            view.morph_sets[set].target_count,
-        )
+        (view.nodes.len() * 3 + set, view.morph_sets[set].target_count)
     } else {
         let node = index(section, at, "target", channel.target, view.nodes.len())?;
         if view.nodes[node].local_kind == NodeRow::MATRIX {
-            let fault = RowFault::MatrixNodeAnimated {
-                node: channel.target,
-            };
+            let fault = RowFault::MatrixNodeAnimated { node: channel.target };
             return Err(row(section, at, fault));
         }
-        (
-            node * 3 + path as usize,
-            if path == Path::Rotation { 4 } else { 3 },
-        )
+        (node * 3 + path as usize, if path == Path::Rotation { 4 } else { 3 })
     };
     if width == 0 {
         return Err(row(section, at, RowFault::EmptyRange { field: "width" }));
@@ -106,34 +91,20 @@ fn check_channel(view: &ModelView<'_>, at: usize, breaks: &[usize]) -> Result<us
 
 fn decode(at: usize, channel: &ChannelRow) -> Result<(Path, Interpolation), FormatError> {
     let unknown = |field, found, limit| {
-        let fault = RowFault::UnknownNumber {
-            field,
-            found,
-            limit,
-        };
+        let fault = RowFault::UnknownNumber { field, found, limit };
         row(SectionKind::Channels, at, fault)
     };
-    let path = Path::from_number(channel.path)
-        .ok_or_else(|| unknown("path", channel.path, Path::ALL.len() as u32))?;
+    let path = Path::from_number(channel.path).ok_or_else(|| unknown("path", channel.path, Path::ALL.len() as u32))?;
     let limit = Interpolation::ALL.len() as u32;
     let interpolation = Interpolation::from_number(channel.interpolation)
         .ok_or_else(|| unknown("interpolation", channel.interpolation, limit))?;
     Ok((path, interpolation))
 }
 
-fn check_times(
-    view: &ModelView<'_>,
-    at: usize,
-    channel: &ChannelRow,
-    breaks: &[usize],
-) -> Result<(), FormatError> {
+fn check_times(view: &ModelView<'_>, at: usize, channel: &ChannelRow, breaks: &[usize]) -> Result<(), FormatError> {
     let section = SectionKind::Channels;
     if channel.key_count == 0 {
-        return Err(row(
-            section,
-            at,
-            RowFault::EmptyRange { field: "key_count" },
-        ));
+        return Err(row(section, at, RowFault::EmptyRange { field: "key_count" }));
     }
     let (first, count) = (u64::from(channel.time_first), u64::from(channel.key_count));
     let limit = view.key_times.len() as u64;
@@ -202,11 +173,7 @@ fn check_clip_times(
     for (field, found, expected) in fields {
         finite(SectionKind::Clips, at, field, &[found])?;
         if found != expected {
-            let fault = RowFault::ClipTime {
-                field,
-                found,
-                expected,
-            };
+            let fault = RowFault::ClipTime { field, found, expected };
             return Err(row(SectionKind::Clips, at, fault));
         }
     }

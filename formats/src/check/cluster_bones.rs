@@ -62,9 +62,7 @@ impl<'a> Cover<'a> {
     pub(super) fn triangle(&mut self, triangle: &TriangleRow) -> Result<(), FormatError> {
         for corner in triangle.corners {
             let vertex = corner as usize;
-            if std::mem::replace(&mut self.checked_for[vertex], self.cluster as u32)
-                != self.cluster as u32
-            {
+            if std::mem::replace(&mut self.checked_for[vertex], self.cluster as u32) != self.cluster as u32 {
                 self.vertex(vertex)?;
             }
         }
@@ -86,14 +84,7 @@ impl<'a> Cover<'a> {
             };
             self.used[at] = true;
             let reach = view.cluster_bones[at].extent;
-            within_extent(
-                SectionKind::Vertices,
-                vertex,
-                "position_rest",
-                position,
-                reach,
-                at,
-            )?;
+            within_extent(SectionKind::Vertices, vertex, "position_rest", position, reach, at)?;
         }
         Ok(())
     }
@@ -103,11 +94,7 @@ impl<'a> Cover<'a> {
         for at in bone_rows(cluster) {
             let bone = self.view.cluster_bones[at].bone;
             if !self.used[at] {
-                return Err(row(
-                    SectionKind::ClusterBones,
-                    at,
-                    RowFault::ClusterBoneUnused { bone },
-                ));
+                return Err(row(SectionKind::ClusterBones, at, RowFault::ClusterBoneUnused { bone }));
             }
             self.row_of_bone[bone as usize] = None;
         }

@@ -13,13 +13,7 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
     let mut bones = Tiling::new(SectionKind::ClusterBones, view.cluster_bones.len());
     for (at, cluster) in view.clusters.iter().enumerate() {
         check_fields(view, at, cluster)?;
-        nodes.take(
-            section,
-            at,
-            "node_first",
-            cluster.node_first,
-            cluster.node_count,
-        )?;
+        nodes.take(section, at, "node_first", cluster.node_first, cluster.node_count)?;
         references.take(
             section,
             at,
@@ -45,13 +39,7 @@ fn check_fields(view: &ModelView<'_>, at: usize, cluster: &ClusterRow) -> Result
     reserved(section, at, "reserved", &cluster.reserved)?;
     index(section, at, "bone", cluster.bone, view.bones.len())?;
     if cluster.node_count == 0 {
-        return Err(row(
-            section,
-            at,
-            RowFault::EmptyRange {
-                field: "node_count",
-            },
-        ));
+        return Err(row(section, at, RowFault::EmptyRange { field: "node_count" }));
     }
     let bounds = cluster.bounds_local;
     finite(section, at, "bounds_local", &bounds.min)?;

@@ -43,11 +43,7 @@ fn check_tree(
             return Err(fail(RowFault::NoParent));
         }
         match node.unpack() {
-            KdNode::Inner {
-                axis: _,
-                split,
-                left,
-            } => {
+            KdNode::Inner { axis: _, split, left } => {
                 finite(SectionKind::KdNodes, at, "split", &[split])?;
                 let found = depth as usize + 1;
                 if found > MAX_KD_DEPTH {

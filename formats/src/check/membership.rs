@@ -27,11 +27,7 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
         if is_degenerate(triangle) {
             degenerate += 1;
         } else if *owner == NONE {
-            return Err(row(
-                SectionKind::Triangles,
-                at,
-                RowFault::TriangleInNoCluster,
-            ));
+            return Err(row(SectionKind::Triangles, at, RowFault::TriangleInNoCluster));
         }
     }
     let found = u64::from(view.meta.degenerate_triangle_count);
@@ -58,22 +54,13 @@ fn claim(
     let mut claimed = 0;
     for reference in first..first + cluster.reference_count as usize {
         let triangle = view.references[reference];
-        let index = index(
-            section,
-            reference,
-            "triangle",
-            triangle,
-            view.triangles.len(),
-        )?;
+        let index = index(section, reference, "triangle", triangle, view.triangles.len())?;
         let owner = owners[index];
         if owner == at as u32 {
             continue;
         }
         if owner != NONE {
-            let fault = RowFault::TriangleInTwoClusters {
-                triangle,
-                other: owner,
-            };
+            let fault = RowFault::TriangleInTwoClusters { triangle, other: owner };
             return Err(row(section, reference, fault));
         }
         if is_degenerate(&view.triangles[index]) {

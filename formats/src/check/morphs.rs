@@ -16,13 +16,7 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
     for (at, set) in view.morph_sets.iter().enumerate() {
         let section = SectionKind::MorphSets;
         reserved(section, at, "reserved", &[set.reserved])?;
-        targets.take(
-            section,
-            at,
-            "target_first",
-            set.target_first,
-            set.target_count,
-        )?;
+        targets.take(section, at, "target_first", set.target_first, set.target_count)?;
     }
     targets.finish()?;
     for (at, target) in view.morph_targets.iter().enumerate() {
@@ -66,15 +60,7 @@ fn check_firsts(view: &ModelView<'_>) -> Result<(), FormatError> {
                 return Err(row(section, at, fault));
             }
             Some(previous) if found < previous => {
-                return Err(row(
-                    section,
-                    at,
-                    RowFault::Descending {
-                        field,
-                        found,
-                        previous,
-                    },
-                ));
+                return Err(row(section, at, RowFault::Descending { field, found, previous }));
             }
             _ => previous = Some(found),
         }
@@ -107,9 +93,7 @@ fn check_deltas(view: &ModelView<'_>) -> Result<(), FormatError> {
             match &targets {
                 None if range.is_empty() => {}
                 None => {
-                    let fault = RowFault::DeltaWithoutMorphSet {
-                        vertex: vertex as u64,
-                    };
+                    let fault = RowFault::DeltaWithoutMorphSet { vertex: vertex as u64 };
                     return Err(row(SectionKind::MorphDeltas, range.start, fault));
                 }
                 Some(targets) => check_vertex(view, range, targets)?,
@@ -119,11 +103,7 @@ fn check_deltas(view: &ModelView<'_>) -> Result<(), FormatError> {
     Ok(())
 }
 
-fn check_vertex(
-    view: &ModelView<'_>,
-    deltas: Range<usize>,
-    targets: &Range<usize>,
-) -> Result<(), FormatError> {
+fn check_vertex(view: &ModelView<'_>, deltas: Range<usize>, targets: &Range<usize>) -> Result<(), FormatError> {
     let section = SectionKind::MorphDeltas;
     let mut previous = None;
     for at in deltas {

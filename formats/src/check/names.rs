@@ -23,10 +23,7 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
             meta.clip_names.len(),
         ),
     ];
-    match lists
-        .into_iter()
-        .find(|(_, _, expected, found)| expected != found)
-    {
+    match lists.into_iter().find(|(_, _, expected, found)| expected != found) {
         Some((list, section, expected, found)) => Err(FormatError::MetaListLength {
             list,
             section,

@@ -2,42 +2,18 @@ use super::row;
 use crate::{FormatError, RowFault, SectionKind};
 
 /// Every value is finite.
-pub(super) fn finite(
-    section: SectionKind,
-    at: usize,
-    field: &'static str,
-    values: &[f32],
-) -> Result<(), FormatError> {
+pub(super) fn finite(section: SectionKind, at: usize, field: &'static str, values: &[f32]) -> Result<(), FormatError> {
     match values.iter().find(|value| !value.is_finite()) {
-        Some(found) => Err(row(
-            section,
-            at,
-            RowFault::NotFinite {
-                field,
-                found: *found,
-            },
-        )),
+        Some(found) => Err(row(section, at, RowFault::NotFinite { field, found: *found })),
         None => Ok(()),
     }
 }
 
 /// Every value is finite and not below zero.
-pub(super) fn extent(
-    section: SectionKind,
-    at: usize,
-    field: &'static str,
-    values: &[f32],
-) -> Result<(), FormatError> {
+pub(super) fn extent(section: SectionKind, at: usize, field: &'static str, values: &[f32]) -> Result<(), FormatError> {
     finite(section, at, field, values)?;
     match values.iter().find(|value| **value < 0.0) {
-        Some(found) => Err(row(
-            section,
-            at,
-            RowFault::Negative {
-                field,
-                found: *found,
-            },
-        )),
+        Some(found) => Err(row(section, at, RowFault::Negative { field, found: *found })),
         None => Ok(()),
     }
 }
@@ -67,12 +43,7 @@ pub(super) fn within_extent(
 }
 
 /// A reserved place is zero, bit for bit.
-pub(super) fn reserved(
-    section: SectionKind,
-    at: usize,
-    field: &'static str,
-    words: &[u32],
-) -> Result<(), FormatError> {
+pub(super) fn reserved(section: SectionKind, at: usize, field: &'static str, words: &[u32]) -> Result<(), FormatError> {
     if words.iter().all(|word| *word == 0) {
         Ok(())
     } else {

@@ -21,20 +21,8 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
     let mut primitives = Tiling::new(SectionKind::Primitives, view.primitives.len());
     for (at, part) in view.parts.iter().enumerate() {
         check_fields(view, at, part)?;
-        vertices.take(
-            section,
-            at,
-            "vertex_first",
-            part.vertex_first,
-            part.vertex_count,
-        )?;
-        let of_part = triangles.take(
-            section,
-            at,
-            "triangle_first",
-            part.triangle_first,
-            part.triangle_count,
-        )?;
+        vertices.take(section, at, "vertex_first", part.vertex_first, part.vertex_count)?;
+        let of_part = triangles.take(section, at, "triangle_first", part.triangle_first, part.triangle_count)?;
         let range = primitives.take(
             section,
             at,
@@ -63,13 +51,7 @@ fn check_fields(view: &ModelView<'_>, at: usize, part: &PartRow) -> Result<(), F
         return Err(row(section, at, fault));
     }
     if part.morph_set != NONE {
-        index(
-            section,
-            at,
-            "morph_set",
-            part.morph_set,
-            view.morph_sets.len(),
-        )?;
+        index(section, at, "morph_set", part.morph_set, view.morph_sets.len())?;
     }
     Ok(())
 }
@@ -86,10 +68,7 @@ fn check_primitives(
     for at in primitives {
         let primitive = &view.primitives[at];
         reserved(section, at, "reserved", &[primitive.reserved])?;
-        let (first, count) = (
-            u64::from(primitive.triangle_first),
-            u64::from(primitive.triangle_count),
-        );
+        let (first, count) = (u64::from(primitive.triangle_first), u64::from(primitive.triangle_count));
         let field = "triangle_first";
         if first != next {
             let fault = RowFault::RangeNotContiguous {
@@ -125,11 +104,7 @@ fn check_primitives(
     Err(row(SectionKind::Parts, part, fault))
 }
 
-fn check_corners(
-    view: &ModelView<'_>,
-    part: &PartRow,
-    triangles: Range<usize>,
-) -> Result<(), FormatError> {
+fn check_corners(view: &ModelView<'_>, part: &PartRow, triangles: Range<usize>) -> Result<(), FormatError> {
     let (first, count) = (part.vertex_first, part.vertex_count);
     for at in triangles {
         for corner in view.triangles[at].corners {

@@ -30,11 +30,7 @@ fn check_node(at: usize, node: &NodeRow) -> Result<(), FormatError> {
     let section = SectionKind::Nodes;
     reserved(section, at, "reserved", &[node.reserved])?;
     if node.parent != NONE && node.parent as usize >= at {
-        return Err(row(
-            section,
-            at,
-            RowFault::ParentNotBefore { found: node.parent },
-        ));
+        return Err(row(section, at, RowFault::ParentNotBefore { found: node.parent }));
     }
     finite(section, at, "local", &node.local)?;
     match node.local_kind {

@@ -19,12 +19,7 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
     let mut moved_last = vec![NONE; view.bones.len()];
     for (at, pair) in view.vertices.windows(2).enumerate() {
         let [vertex, next] = pair else { continue };
-        finite(
-            SectionKind::Vertices,
-            at,
-            "position_rest",
-            &vertex.position_rest,
-        )?;
+        finite(SectionKind::Vertices, at, "position_rest", &vertex.position_rest)?;
         let range = vertex.influence_first as usize..next.influence_first as usize;
         check_influences(&view.influences[range.clone()], range, at, &mut moved_last)?;
     }
@@ -47,15 +42,7 @@ fn check_firsts(view: &ModelView<'_>) -> Result<(), FormatError> {
                 return Err(row(section, at, fault));
             }
             Some(previous) if found <= previous => {
-                return Err(row(
-                    section,
-                    at,
-                    RowFault::NotAscending {
-                        field,
-                        found,
-                        previous,
-                    },
-                ));
+                return Err(row(section, at, RowFault::NotAscending { field, found, previous }));
             }
             _ => previous = Some(found),
         }
@@ -87,9 +74,7 @@ fn check_influences(
     for (at, influence) in range.zip(influences) {
         let bone = index(section, at, "bone", influence.bone, moved_last.len())?;
         if moved_last[bone] == vertex as u32 {
-            let fault = RowFault::RepeatedInfluence {
-                bone: influence.bone,
-            };
+            let fault = RowFault::RepeatedInfluence { bone: influence.bone };
             return Err(row(SectionKind::Vertices, vertex, fault));
         }
         moved_last[bone] = vertex as u32;

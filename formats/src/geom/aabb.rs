@@ -32,10 +32,7 @@ impl Aabb {
     /// This box, grown just enough to contain `point`.
     #[must_use]
     pub fn with_point(self, point: [f32; 3]) -> Self {
-        self.union(Self {
-            min: point,
-            max: point,
-        })
+        self.union(Self { min: point, max: point })
     }
 
     /// The smallest box around both.
@@ -70,8 +67,7 @@ impl Aabb {
     /// True when the whole of `other` lies inside; an empty box lies inside every box.
     #[must_use]
     pub fn contains_box(&self, other: &Self) -> bool {
-        other.is_empty()
-            || (0..3).all(|k| self.min[k] <= other.min[k] && other.max[k] <= self.max[k])
+        other.is_empty() || (0..3).all(|k| self.min[k] <= other.min[k] && other.max[k] <= self.max[k])
     }
 
     /// Surface area in `f64`: no overflow for any finite box. Zero when empty.

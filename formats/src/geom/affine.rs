@@ -13,12 +13,7 @@ pub struct Affine {
 impl Affine {
     /// The map that changes nothing.
     pub const IDENTITY: Self = Self {
-        columns: [
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, 0.0, 1.0],
-            [0.0, 0.0, 0.0],
-        ],
+        columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]],
     };
 
     /// A pure translation.

@@ -44,22 +44,9 @@ mod tests {
     #[test]
     fn directed_conversion_brackets_the_value() {
         let third = 1.0f64 / 3.0;
-        for x in [
-            third,
-            -third,
-            1e-50,
-            -1e-50,
-            1e39,
-            -1e39,
-            0.0,
-            1.0,
-            16_777_217.0,
-        ] {
+        for x in [third, -third, 1e-50, -1e-50, 1e39, -1e39, 0.0, 1.0, 16_777_217.0] {
             let (below, above) = (f32_below(x), f32_above(x));
-            assert!(
-                f64::from(below) <= x && x <= f64::from(above),
-                "{x}: {below} {above}"
-            );
+            assert!(f64::from(below) <= x && x <= f64::from(above), "{x}: {below} {above}");
             assert!(
                 below == above || below.next_up() == above,
                 "{x}: {below} {above} are not neighbours"

@@ -30,12 +30,7 @@ pub enum Path {
 
 impl Path {
     /// All paths, in the order of their numbers.
-    pub const ALL: [Self; 4] = [
-        Self::Translation,
-        Self::Rotation,
-        Self::Scale,
-        Self::Weights,
-    ];
+    pub const ALL: [Self; 4] = [Self::Translation, Self::Rotation, Self::Scale, Self::Weights];
 
     /// The path with this number.
     #[must_use]

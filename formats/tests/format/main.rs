@@ -1,0 +1,13 @@
+//! The file format: round trips, damage, and every rule that a file must keep.
+
+#[path = "../fixture/mod.rs"]
+mod fixture;
+
+mod bare_reader;
+mod damage;
+mod golden;
+mod header_fields;
+mod random_bytes;
+mod round_trip;
+mod row_rules;
+mod section_fields;

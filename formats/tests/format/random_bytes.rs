@@ -1,0 +1,97 @@
+//! Nothing panics, whatever the bytes; what is accepted is written back as it was.
+
+use crate::{
+    fixture::{Forge, model, read_copy, reseal},
+    golden::V1,
+};
+use proptest::prelude::*;
+use restpose_formats::{MAGIC, SectionKind, write};
+
+/// Reads, and where that succeeds writes again: an accepted file is reproduced but for what the writer does not know.
+fn read_and_rewrite(bytes: &[u8]) {
+    if let Ok(model) = read_copy(bytes) {
+        let again = write(&model).expect("an accepted model can be written");
+        assert!(read_copy(&again) == Ok(model));
+    }
+}
+
+/// Values that are likely to be at a limit.
+fn word() -> impl Strategy<Value = u32> {
+    prop_oneof![
+        0..10u32,
+        any::<u32>(),
+        Just(u32::MAX),
+        Just(u32::MAX - 1),
+        Just(1 << 31),
+        Just(f32::NAN.to_bits()),
+        Just(f32::INFINITY.to_bits()),
+        Just((-1.0f32).to_bits()),
+        Just(f32::MIN_POSITIVE.to_bits()),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn random_bytes_do_not_panic(bytes in proptest::collection::vec(any::<u8>(), 0..2000)) {
+        read_and_rewrite(&bytes);
+        read_and_rewrite(&[&MAGIC, &bytes[..]].concat());
+    }
+
+    #[test]
+    fn random_words_under_valid_checksums_do_not_panic(
+        changes in proptest::collection::vec((0..V1.len() / 4, word()), 1..4),
+    ) {
+        let mut bytes = V1.to_vec();
+        for (at, word) in changes {
+            bytes[at * 4..at * 4 + 4].copy_from_slice(&word.to_le_bytes());
+        }
+        reseal(&mut bytes);
+        read_and_rewrite(&bytes);
+    }
+
+    #[test]
+    fn sections_of_random_length_do_not_panic(
+        at in 0..SectionKind::ALL.len(),
+        rows in 0..20usize,
+        words in proptest::collection::vec(word(), 40),
+    ) {
+        let mut file = Forge::of(&model());
+        let (entry, bytes) = &mut file.sections[at];
+        let old = bytes.clone();
+        let row_size = entry.row_size as usize;
+        bytes.resize(rows * row_size, 0);
+        let grown = bytes.get_mut(old.len()..).unwrap_or_default();
+        for (byte, new) in grown.iter_mut().zip(words.iter().flat_map(|word| word.to_le_bytes())) {
+            *byte = new;
+        }
+        (entry.row_count, entry.byte_len) = (rows as u64, bytes.len() as u64);
+        read_and_rewrite(&file.bytes());
+    }
+}
+
+#[test]
+fn every_word_at_every_limit_does_not_panic() {
+    let limits = [
+        0,
+        1,
+        2,
+        3,
+        7,
+        u32::MAX,
+        u32::MAX - 1,
+        1 << 31,
+        0x7FC0_0000,
+        0x7F80_0000,
+        0xBF80_0000,
+    ];
+    for at in 0..V1.len() / 4 {
+        for limit in limits {
+            let mut bytes = V1.to_vec();
+            bytes[at * 4..at * 4 + 4].copy_from_slice(&limit.to_le_bytes());
+            reseal(&mut bytes);
+            read_and_rewrite(&bytes);
+        }
+    }
+}
