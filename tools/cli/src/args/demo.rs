@@ -1,0 +1,13 @@
+use clap::Args;
+use std::path::PathBuf;
+
+/// Options of `demo`.
+#[derive(Debug, Args)]
+pub struct DemoArgs {
+    /// Folder for the baked files and the pictures; made if missing
+    #[arg(short, long, value_name = "FOLDER", default_value = "out/demo")]
+    pub output: PathBuf,
+    /// Folder with the sample scenes (.gltf, .glb)
+    #[arg(long, value_name = "FOLDER", default_value = "samples/scenes")]
+    pub scenes: PathBuf,
+}

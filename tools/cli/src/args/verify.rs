@@ -1,0 +1,17 @@
+use clap::Args;
+use std::path::PathBuf;
+
+/// Options of `verify`.
+#[derive(Debug, Args)]
+pub struct VerifyArgs {
+    /// A .rpose file
+    pub file: PathBuf,
+    /// The glTF file it was baked from
+    pub source: PathBuf,
+    /// Rays in all, 1 to 1000000000
+    #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    pub rays: u64,
+    /// Seed of the random rays, any whole number from 0
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+}

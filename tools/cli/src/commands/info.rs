@@ -1,0 +1,237 @@
+use crate::{args::InfoArgs, failure::Failure, input_file, output::Answer, table::Table};
+use restpose_formats::{
+    Bounds, ModelView,
+    rows::{MotionClass, NONE},
+};
+use serde::{Serialize, Serializer};
+use std::collections::BTreeSet;
+
+#[derive(Serialize)]
+struct Report {
+    file: String,
+    file_bytes: u64,
+    generator: String,
+    source_name: String,
+    source_hash: String,
+    options_hash: String,
+    #[serde(serialize_with = "as_object")]
+    options: Vec<(String, String)>,
+    bounds: Bounds,
+    parts: Vec<Part>,
+    clips: Vec<Clip>,
+    clusters: Vec<Cluster>,
+    counts: Counts,
+}
+
+#[derive(Serialize)]
+struct Part {
+    name: String,
+    class: &'static str,
+    triangles: u32,
+    vertices: u32,
+    clusters: usize,
+    source_node: u32,
+    source_mesh: u32,
+    source_skin: Option<u32>,
+}
+
+#[derive(Serialize)]
+struct Clip {
+    name: String,
+    start_seconds: f32,
+    end_seconds: f32,
+    channels: u32,
+}
+
+#[derive(Serialize)]
+struct Cluster {
+    bone: u32,
+    bone_name: String,
+    triangles: u32,
+    nodes: u32,
+    references: u32,
+    influencing_bones: u32,
+}
+
+#[derive(Serialize)]
+struct Counts {
+    triangles: usize,
+    degenerate_triangles: u32,
+    vertices: usize,
+    influences: usize,
+    nodes: usize,
+    bones: usize,
+    morph_targets: usize,
+    samples: usize,
+    kd_nodes: usize,
+    references: usize,
+}
+
+/// Shows what a file holds.
+pub fn run(args: &InfoArgs) -> Result<Answer, Failure> {
+    let file_bytes = input_file::check(&args.file)?;
+    let asset = input_file::open_asset(&args.file)?;
+    let report = report(args.file.display().to_string(), file_bytes, asset.model());
+    Answer::new(&report, text(&report))
+}
+
+fn report(file: String, file_bytes: u64, model: &ModelView<'_>) -> Report {
+    let meta = &model.meta;
+    let cluster_of = cluster_of_triangles(model);
+    let name = |names: &[String], row: usize| names.get(row).cloned().unwrap_or_default();
+    let parts = model.parts.iter().enumerate().map(|(row, part)| {
+        let triangles = part.triangle_first as usize..part.triangle_first as usize + part.triangle_count as usize;
+        let clusters: BTreeSet<u32> = cluster_of
+            .get(triangles)
+            .unwrap_or_default()
+            .iter()
+            .flatten()
+            .copied()
+            .collect();
+        Part {
+            name: name(&meta.part_names, row),
+            class: MotionClass::from_number(part.class).map_or("unknown", MotionClass::name),
+            triangles: part.triangle_count,
+            vertices: part.vertex_count,
+            clusters: clusters.len(),
+            source_node: part.source_node,
+            source_mesh: part.source_mesh,
+            source_skin: Some(part.source_skin).filter(|skin| *skin != NONE),
+        }
+    });
+    let clips = model.clips.iter().enumerate().map(|(row, clip)| Clip {
+        name: name(&meta.clip_names, row),
+        start_seconds: clip.start_seconds,
+        end_seconds: clip.end_seconds,
+        channels: clip.channel_count,
+    });
+    let clusters = model.clusters.iter().map(|cluster| Cluster {
+        bone: cluster.bone,
+        bone_name: name(&meta.bone_names, cluster.bone as usize),
+        triangles: cluster.triangle_count,
+        nodes: cluster.node_count,
+        references: cluster.reference_count,
+        influencing_bones: cluster.cluster_bone_count,
+    });
+    Report {
+        file,
+        file_bytes,
+        generator: meta.generator.clone(),
+        source_name: meta.source_name.clone(),
+        source_hash: hexadecimal(&model.hashes.source),
+        options_hash: hexadecimal(&model.hashes.options),
+        options: meta.options.clone(),
+        bounds: meta.bounds,
+        parts: parts.collect(),
+        clips: clips.collect(),
+        clusters: clusters.collect(),
+        counts: Counts {
+            triangles: model.triangles.len(),
+            degenerate_triangles: meta.degenerate_triangle_count,
+            // The last row only closes the influences of the one before.
+            vertices: model.vertices.len().saturating_sub(1),
+            influences: model.influences.len(),
+            nodes: model.nodes.len(),
+            bones: model.bones.len(),
+            morph_targets: model.morph_targets.len(),
+            samples: model.samples.len(),
+            kd_nodes: model.kd_nodes.len(),
+            references: model.references.len(),
+        },
+    }
+}
+
+/// The cluster of each triangle; none where it has no area.
+fn cluster_of_triangles(model: &ModelView<'_>) -> Vec<Option<u32>> {
+    let mut cluster_of = vec![None; model.triangles.len()];
+    for (number, row) in (0u32..).zip(model.clusters) {
+        let references = row.reference_first as usize..row.reference_first as usize + row.reference_count as usize;
+        for triangle in model.references.get(references).unwrap_or_default() {
+            if let Some(own) = cluster_of.get_mut(*triangle as usize) {
+                *own = Some(number);
+            }
+        }
+    }
+    cluster_of
+}
+
+fn text(report: &Report) -> String {
+    let counts = &report.counts;
+    let mut lines = vec![
+        format!(
+            "{}: {} bytes, written by {}",
+            report.file, report.file_bytes, report.generator
+        ),
+        format!("source    {} ({})", report.source_name, report.source_hash),
+        format!(
+            "triangles {} ({} without area)",
+            counts.triangles, counts.degenerate_triangles
+        ),
+        format!("vertices  {} with {} influences", counts.vertices, counts.influences),
+        format!("bones     {}", counts.bones),
+        format!(
+            "clusters  {} with {} tree nodes, {} references",
+            report.clusters.len(),
+            counts.kd_nodes,
+            counts.references
+        ),
+        format!("poses     {} sampled; boxes hold for these only", counts.samples),
+    ];
+    let options: Vec<String> = report
+        .options
+        .iter()
+        .map(|(name, value)| format!("{name}={value}"))
+        .collect();
+    lines.push(format!("options   {}", options.join(" ")));
+    let mut parts = Table::new(["part", "class", "triangles", "vertices", "clusters"]);
+    for part in &report.parts {
+        parts.add([
+            part.name.clone(),
+            part.class.to_owned(),
+            part.triangles.to_string(),
+            part.vertices.to_string(),
+            part.clusters.to_string(),
+        ]);
+    }
+    let mut clips = Table::new(["clip", "from s", "to s", "channels"]);
+    for clip in &report.clips {
+        clips.add([
+            clip.name.clone(),
+            format!("{:.3}", clip.start_seconds),
+            format!("{:.3}", clip.end_seconds),
+            clip.channels.to_string(),
+        ]);
+    }
+    let mut clusters = Table::new([
+        "cluster's bone",
+        "triangles",
+        "nodes",
+        "references",
+        "influencing bones",
+    ]);
+    for cluster in &report.clusters {
+        clusters.add([
+            cluster.bone_name.clone(),
+            cluster.triangles.to_string(),
+            cluster.nodes.to_string(),
+            cluster.references.to_string(),
+            cluster.influencing_bones.to_string(),
+        ]);
+    }
+    let tables = [parts.to_string(), clips.to_string(), clusters.to_string()];
+    lines.extend(
+        tables
+            .into_iter()
+            .filter(|table| !table.is_empty())
+            .flat_map(|table| [String::new(), table]),
+    );
+    lines.join("\n")
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn as_object<S: Serializer>(options: &[(String, String)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(options.iter().map(|(name, value)| (name, value)))
+}

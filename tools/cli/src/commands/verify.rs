@@ -1,0 +1,92 @@
+use super::Context;
+use crate::{
+    args::VerifyArgs, exit_code::ExitCode, failure::Failure, input_file, output::Answer, progress::StageSeconds,
+};
+use restpose_bake::{
+    import::{Animation, import},
+    verify::{VerifyReport, VerifySettings, verify},
+};
+use restpose_runtime::Asset;
+use serde::Serialize;
+use std::{path::Path, sync::Arc};
+
+#[derive(Serialize)]
+struct Report<'a> {
+    file: String,
+    source: String,
+    passed: bool,
+    #[serde(flatten)]
+    verified: &'a VerifyReport,
+    seconds: StageSeconds,
+}
+
+/// Compares a file with brute force on its source.
+pub fn run(args: &VerifyArgs, context: &Context) -> Result<Answer, Failure> {
+    input_file::check(&args.source)?;
+    context.reporter.stage("open", 0);
+    let asset = input_file::open_asset(&args.file)?;
+    context.reporter.stage("import", 0);
+    let source = import(&args.source)
+        .map_err(|error| Failure::import(&args.source, error))?
+        .animation;
+    let settings = VerifySettings {
+        rays: args.rays,
+        seed: args.seed,
+        ..VerifySettings::default()
+    };
+    let verified = check(&asset, &source, &args.file, &settings, context)?;
+    let failure = failure(&verified, &args.file);
+    let report = Report {
+        file: args.file.display().to_string(),
+        source: args.source.display().to_string(),
+        passed: failure.is_none(),
+        verified: &verified,
+        seconds: context.reporter.finish(),
+    };
+    Answer::with_failure(&report, text(&verified), failure)
+}
+
+/// Verifies an asset, once it is sure that it was baked from this source.
+pub fn check(
+    asset: &Arc<Asset>,
+    source: &Animation,
+    file: &Path,
+    settings: &VerifySettings,
+    context: &Context,
+) -> Result<VerifyReport, Failure> {
+    if asset.model().hashes.source != source.source_hash {
+        let message = format!(
+            "{}: was not baked from this source as it is now ({}); bake it again",
+            file.display(),
+            source.source_name
+        );
+        return Err(Failure::at(ExitCode::InvalidInput, file, message));
+    }
+    verify(asset, source, settings, &context.reporter)
+        .map_err(|error| Failure::at(ExitCode::Internal, file, format!("{}: {error}", file.display())))
+}
+
+/// What makes a verification fail: any hit that is missed or wrong.
+pub fn failure(verified: &VerifyReport, file: &Path) -> Option<Failure> {
+    (verified.missed > 0 || verified.wrong > 0).then(|| {
+        let message = format!(
+            "{}: verification failed: {} hits missed, {} wrong",
+            file.display(),
+            verified.missed,
+            verified.wrong
+        );
+        Failure::at(ExitCode::VerificationFailed, file, message)
+    })
+}
+
+fn text(verified: &VerifyReport) -> String {
+    [
+        format!("rays              {}", verified.rays),
+        format!("poses             {}", verified.poses),
+        format!("hits              {}", verified.hits),
+        format!("missed            {}", verified.missed),
+        format!("wrong             {}", verified.wrong),
+        format!("max vertex error  {:e} of the model's size", verified.max_vertex_error),
+    ]
+    .join("\n")
+}
