@@ -6,6 +6,8 @@ use glam::{DMat4, DQuat, DVec3};
 /// How one number is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Component {
+    /// 8-bit signed.
+    I8,
     /// 8-bit unsigned.
     U8,
     /// 16-bit signed.
@@ -22,6 +24,7 @@ impl Component {
     /// The code that glTF uses.
     pub fn code(self) -> u32 {
         match self {
+            Component::I8 => 5120,
             Component::U8 => 5121,
             Component::I16 => 5122,
             Component::U16 => 5123,
@@ -98,6 +101,7 @@ impl Column {
         let mut bytes = Vec::new();
         for &value in rows.iter().flatten() {
             match component {
+                Component::I8 => bytes.extend((value as i8).to_le_bytes()),
                 Component::U8 => bytes.push(value as u8),
                 Component::I16 => bytes.extend((value as i16).to_le_bytes()),
                 Component::U16 => bytes.extend((value as u16).to_le_bytes()),
@@ -119,6 +123,15 @@ impl Column {
     pub fn vectors(values: &[DVec3]) -> Column {
         let rows: Vec<_> = values.iter().copied().map(narrow3).collect();
         Column::floats(&rows)
+    }
+
+    /// Unit normals as signed bytes, which `KHR_mesh_quantization` allows.
+    pub fn byte_normals(values: &[DVec3]) -> Column {
+        let rows: Vec<_> = values
+            .iter()
+            .map(|normal| normal.to_array().map(|value| libm::round(value * 127.0) as i64))
+            .collect();
+        Column::integers(Component::I8, true, &rows)
     }
 
     /// Rotations.

@@ -1,6 +1,6 @@
 //! The four-legged creature of `mixed.glb`.
 
-use crate::column::Component;
+use crate::column::{Column, Component};
 use crate::figure::{Skeleton, add_skinned_surface};
 use crate::gait::{Stride, reach};
 use crate::gltf_json::Node;
@@ -64,7 +64,7 @@ pub fn add_creature(writer: &mut GltfWriter, armature: Node, material: usize) ->
     let still = vec![DQuat::IDENTITY; BONE_COUNT];
     let skeleton = Skeleton::add(writer, parent, bones(), &still);
     let body = body(&skeleton.bones);
-    let cell = 0.05;
+    let cell = 0.0475;
     let net = Net {
         low: DVec3::new(-8.0 * cell, -0.06, -1.05),
         high: DVec3::new(8.0 * cell, 1.05, 0.85),
@@ -82,6 +82,7 @@ pub fn add_creature(writer: &mut GltfWriter, armature: Node, material: usize) ->
         writer,
         "creature_body",
         &surface,
+        Column::byte_normals(&surface.normals()),
         &weights,
         Component::U16,
         (skin, material),
@@ -173,7 +174,7 @@ pub fn prowl(skeleton: &Skeleton) -> Vec<Track> {
         path: "translation",
         interpolation: "LINEAR",
         times,
-        values: crate::column::Column::vectors(&places),
+        values: Column::vectors(&places),
     });
     tracks
 }

@@ -116,11 +116,12 @@ fn local_rotations(bones: &[Bone], rotations: &[DQuat]) -> Vec<DQuat> {
         .collect()
 }
 
-/// Adds a skinned mesh with normals, all attributes interleaved, and the root node that shows it.
+/// Adds a skinned mesh with the given normals, all attributes interleaved, and the root node that shows it.
 pub fn add_skinned_surface(
     writer: &mut GltfWriter,
     name: &str,
     surface: &Surface,
+    normals: Column,
     influences: &[Vec<(usize, f64)>],
     weight_component: Component,
     (skin, material): (usize, usize),
@@ -128,7 +129,7 @@ pub fn add_skinned_surface(
     let [joints, weights] = four_influence_columns(influences, weight_component);
     let attributes = writer.add_interleaved(&[
         ("POSITION", Column::vectors(&surface.positions)),
-        ("NORMAL", Column::vectors(&surface.normals())),
+        ("NORMAL", normals),
         ("JOINTS_0", joints),
         ("WEIGHTS_0", weights),
     ]);

@@ -86,6 +86,7 @@ pub fn walker_glb() -> Result<Vec<u8>, WriteError> {
         &mut writer,
         "walker_body",
         &surface,
+        Column::vectors(&surface.normals()),
         &weights,
         Component::U8,
         (skin, cloth),
