@@ -1,2 +1,215 @@
+//! Decodes the golden file as `FORMAT.md` describes it, by byte offsets alone: a check of the text, so nothing here may
+//! use the library but to know what the numbers must be.
+
+use crate::{fixture::model, golden::V1};
+
+fn u16_at(bytes: &[u8], at: usize) -> u16 {
+    u16::from_le_bytes([bytes[at], bytes[at + 1]])
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> u32 {
+    u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
+}
+
+fn u64_at(bytes: &[u8], at: usize) -> u64 {
+    u64::from(u32_at(bytes, at)) | u64::from(u32_at(bytes, at + 4)) << 32
+}
+
+fn f32s<const N: usize>(bytes: &[u8], at: usize) -> [f32; N] {
+    std::array::from_fn(|i| f32::from_bits(u32_at(bytes, at + 4 * i)))
+}
+
+fn u32s<const N: usize>(bytes: &[u8], at: usize) -> [u32; N] {
+    std::array::from_fn(|i| u32_at(bytes, at + 4 * i))
+}
+
+/// CRC-32 bit by bit.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(u32::MAX, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
+            crc >> 1 ^ (0xEDB8_8320 & (crc & 1).wrapping_neg())
+        })
+    })
+}
+
+/// The codes and row sizes of `FORMAT.md`, section 2.
+const SECTIONS: [(&[u8; 4], usize); 21] = [
+    (b"META", 1),
+    (b"PART", 48),
+    (b"PRIM", 16),
+    (b"VERT", 16),
+    (b"INFL", 8),
+    (b"TRIS", 12),
+    (b"MSET", 16),
+    (b"MTGT", 16),
+    (b"MFST", 4),
+    (b"MDEL", 16),
+    (b"NODE", 64),
+    (b"BONE", 64),
+    (b"CLIP", 16),
+    (b"CHAN", 32),
+    (b"KTIM", 4),
+    (b"KVAL", 4),
+    (b"SAMP", 8),
+    (b"CLUS", 64),
+    (b"CBON", 16),
+    (b"KDND", 8),
+    (b"REFS", 4),
+];
+
+/// The rows of a section, found through the table.
+fn rows(code: &[u8; 4]) -> Vec<&'static [u8]> {
+    let line = SECTIONS
+        .iter()
+        .position(|(known, _)| *known == code)
+        .expect("a code of the format");
+    let at = 128 + 40 * line;
+    assert_eq!(&V1[at..at + 4], code);
+    let (offset, byte_len) = (u64_at(V1, at + 16) as usize, u64_at(V1, at + 24) as usize);
+    let section = &V1[offset..offset + byte_len];
+    let rows: Vec<_> = section.chunks_exact(u32_at(V1, at + 8) as usize).collect();
+    assert_eq!(rows.len() as u64, u64_at(V1, at + 32));
+    rows
+}
+
+/// Asserts that each row of a section, decoded by `$bytes => $decoded`, equals the fixture's, decoded by field.
+macro_rules! same {
+    ($code:literal, $rows:expr, $bytes:ident => $decoded:expr, $row:ident => $fields:expr) => {
+        let decoded: Vec<_> = rows($code).iter().map(|$bytes| $decoded).collect();
+        let expected: Vec<_> = $rows.iter().map(|$row| $fields).collect();
+        assert_eq!(decoded, expected);
+    };
+}
+
 #[test]
-fn placeholder() {}
+fn header_and_table_are_as_the_text_says() {
+    assert_eq!(V1[..10], [0x8B, 0x52, 0x50, 0x4F, 0x53, 0x45, 0x0D, 0x0A, 0x1A, 0x0A]);
+    assert_eq!((u16_at(V1, 10), u16_at(V1, 12), u16_at(V1, 14)), (1, 0, 0));
+    assert_eq!((u32_at(V1, 16), u64_at(V1, 24)), (128, V1.len() as u64));
+    assert_eq!((u64_at(V1, 32), u64_at(V1, 40)), (0, 1));
+    assert_eq!((u32_at(V1, 48), u32_at(V1, 52), u64_at(V1, 120)), (21, 0, 0));
+    assert_eq!(
+        (&V1[56..88], &V1[88..120]),
+        (&model().hashes.source[..], &model().hashes.options[..])
+    );
+    let mut sealed = V1[..128 + 40 * 21].to_vec();
+    sealed[20..24].fill(0);
+    assert_eq!(u32_at(V1, 20), crc32(&sealed));
+
+    let mut end = sealed.len();
+    for (line, (code, row_size)) in SECTIONS.iter().enumerate() {
+        let at = 128 + 40 * line;
+        assert_eq!(&V1[at..at + 4], *code);
+        assert_eq!(
+            (u16_at(V1, at + 4), u16_at(V1, at + 6), u32_at(V1, at + 8)),
+            (1, 0, *row_size as u32)
+        );
+        let (offset, byte_len) = (u64_at(V1, at + 16) as usize, u64_at(V1, at + 24) as usize);
+        assert_eq!(offset, end.div_ceil(64) * 64);
+        assert!(V1[end..offset].iter().all(|byte| *byte == 0));
+        assert_eq!(u32_at(V1, at + 12), crc32(&V1[offset..offset + byte_len]));
+        end = offset + byte_len;
+    }
+    assert_eq!(end, V1.len());
+}
+
+#[test]
+fn rows_are_as_the_text_says() {
+    let m = model();
+    same!(b"PART", m.parts, b => u32s::<12>(b, 0), r => [
+        r.source_node, r.source_mesh, r.source_skin, r.class, r.vertex_first, r.vertex_count, r.triangle_first,
+        r.triangle_count, r.primitive_first, r.primitive_count, r.morph_set, r.reserved,
+    ]);
+    same!(b"PRIM", m.primitives, b => u32s::<4>(b, 0), r => [
+        r.source_primitive, r.triangle_first, r.triangle_count, r.reserved,
+    ]);
+    same!(b"VERT", m.vertices, b => (f32s::<3>(b, 0), u32_at(b, 12)), r => (r.position_rest, r.influence_first));
+    same!(b"INFL", m.influences, b => (u32_at(b, 0), f32s::<1>(b, 4)), r => (r.bone, [r.weight]));
+    same!(b"TRIS", m.triangles, b => u32s::<3>(b, 0), r => r.corners);
+    same!(b"MSET", m.morph_sets, b => u32s::<4>(b, 0), r => [
+        r.source_node, r.target_first, r.target_count, r.reserved,
+    ]);
+    same!(b"MTGT", m.morph_targets, b => (f32s::<1>(b, 0), f32s::<3>(b, 4)), r => ([r.default_weight], r.extent));
+    same!(b"MFST", m.morph_first, b => u32_at(b, 0), r => *r);
+    same!(b"MDEL", m.morph_deltas, b => (u32_at(b, 0), f32s::<3>(b, 4)), r => (r.target, r.delta));
+    same!(b"NODE", m.nodes, b => (u32s::<4>(b, 0), f32s::<12>(b, 16)), r => (
+        [r.parent, r.source_node, r.local_kind, r.reserved], r.local,
+    ));
+    same!(b"BONE", m.bones, b => (u32s::<4>(b, 0), f32s::<12>(b, 16)), r => (
+        [r.node, r.source_skin, r.source_joint, r.reserved], r.inverse_bind,
+    ));
+    same!(b"CLIP", m.clips, b => (f32s::<2>(b, 0), u32s::<2>(b, 8)), r => (
+        [r.start_seconds, r.end_seconds], [r.channel_first, r.channel_count],
+    ));
+    same!(b"CHAN", m.channels, b => u32s::<8>(b, 0), r => [
+        r.target, r.path, r.interpolation, r.width, r.time_first, r.key_count, r.value_first, r.reserved,
+    ]);
+    same!(b"KTIM", m.key_times, b => f32s::<1>(b, 0), r => [*r]);
+    same!(b"KVAL", m.key_values, b => f32s::<1>(b, 0), r => [*r]);
+    same!(b"SAMP", m.samples, b => (u32_at(b, 0), f32s::<1>(b, 4)), r => (r.clip, [r.seconds]));
+    same!(b"CLUS", m.clusters, b => (u32s::<8>(b, 0), f32s::<3>(b, 32), f32s::<3>(b, 44), u32s::<2>(b, 56)), r => (
+        [
+            r.bone, r.node_first, r.node_count, r.reference_first, r.reference_count, r.cluster_bone_first,
+            r.cluster_bone_count, r.triangle_count,
+        ],
+        r.bounds_local.min, r.bounds_local.max, r.reserved,
+    ));
+    same!(b"CBON", m.cluster_bones, b => (u32_at(b, 0), f32s::<3>(b, 4)), r => (r.bone, r.extent));
+    same!(b"REFS", m.references, b => u32_at(b, 0), r => *r);
+
+    // The fixture's trees, by what they were made from: leaf, inner node on axis 0 at 0.5, leaf, leaf, leaf.
+    let words: Vec<[u32; 2]> = rows(b"KDND").iter().map(|bytes| u32s(bytes, 0)).collect();
+    let inner = [1 << 2, 0.5f32.to_bits()];
+    assert_eq!(
+        words,
+        [
+            [2 << 2 | 3, 0],
+            inner,
+            [1 << 2 | 3, 0],
+            [2 << 2 | 3, 1],
+            [1 << 2 | 3, 0]
+        ]
+    );
+}
+
+#[test]
+fn metadata_is_as_the_text_says() {
+    let bytes = rows(b"META").concat();
+    let mut at = 1;
+    let number = |at: &mut usize| {
+        *at += 1;
+        assert!(bytes[*at - 1] < 251, "the fixture's numbers are small");
+        usize::from(bytes[*at - 1])
+    };
+    let string = |at: &mut usize| {
+        let len = number(at);
+        *at += len;
+        String::from_utf8(bytes[*at - len..*at].to_vec()).expect("UTF-8")
+    };
+    let strings = |at: &mut usize| (0..number(at)).map(|_| string(at)).collect::<Vec<_>>();
+    let m = model().meta;
+    assert_eq!(bytes[0], 1);
+    assert_eq!((string(&mut at), string(&mut at)), (m.generator, m.source_name));
+    let options: Vec<_> = (0..number(&mut at))
+        .map(|_| (string(&mut at), string(&mut at)))
+        .collect();
+    assert_eq!(options, m.options);
+    for names in [m.part_names, m.bone_names, m.clip_names] {
+        assert_eq!(strings(&mut at), names);
+    }
+    assert_eq!(
+        (number(&mut at), number(&mut at)),
+        (0, 1),
+        "sampled bounds, one degenerate triangle"
+    );
+    assert_eq!(at, bytes.len());
+}
+
+#[test]
+fn the_texts_list_of_sections_is_the_one_used_here() {
+    let text = include_str!("../../FORMAT.md");
+    for (line, (code, row_size)) in SECTIONS.iter().enumerate() {
+        let expected = format!("| {line} | `{}` | {row_size} |", code.escape_ascii());
+        assert!(text.contains(&expected), "{expected}");
+    }
+}
