@@ -172,14 +172,23 @@ impl Scene {
     /// # Errors
     /// [`PoseError::UnknownInstance`].
     pub fn palette(&self, instance: InstanceId) -> Result<&[Affine], PoseError> {
+        Ok(&self.instance(instance)?.palette)
+    }
+
+    /// An instance's morph weights, as [`Scene::set_palette`] takes them.
+    ///
+    /// # Errors
+    /// [`PoseError::UnknownInstance`].
+    pub fn morph_weights(&self, instance: InstanceId) -> Result<&[f32], PoseError> {
+        Ok(&self.instance(instance)?.morph_weights)
+    }
+
+    fn instance(&self, instance: InstanceId) -> Result<&Instance, PoseError> {
         let count = self.instances.len();
-        match self.instances.get(instance.index()) {
-            Some(instance) => Ok(&instance.palette),
-            None => Err(PoseError::UnknownInstance {
-                instance: instance.index(),
-                count,
-            }),
-        }
+        self.instances.get(instance.index()).ok_or(PoseError::UnknownInstance {
+            instance: instance.index(),
+            count,
+        })
     }
 
     fn instance_mut(&mut self, instance: InstanceId) -> Result<&mut Instance, PoseError> {

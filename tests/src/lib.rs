@@ -1,6 +1,8 @@
 //! What the cross-crate tests share: where scenes are, and references to compare with.
 
 pub mod gltf_reference;
+mod random_animation;
 mod scenes;
 
-pub use scenes::{sample_scenes, source_scenes};
+pub use random_animation::{Recipe, random_animation};
+pub use scenes::{baked_asset, sample_scenes, source_scenes};

@@ -1,4 +1,12 @@
-use std::path::{Path, PathBuf};
+use restpose_bake::{
+    BakeSettings, NoProgress, bake,
+    import::{Animation, import},
+};
+use restpose_runtime::Asset;
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 /// The bundled sample scenes, sorted.
 #[must_use]
@@ -34,4 +42,17 @@ fn gltf_files(folder: &Path) -> Vec<PathBuf> {
         .collect();
     files.sort();
     files
+}
+
+/// Imports and bakes a scene with the default settings, through the bytes of its file.
+///
+/// # Panics
+/// When any of that fails.
+#[must_use]
+pub fn baked_asset(path: &Path) -> (Animation, Arc<Asset>) {
+    let animation = import(path).unwrap_or_else(|error| panic!("{error}")).animation;
+    let baked = bake(&animation, &BakeSettings::default(), &NoProgress).unwrap_or_else(|error| panic!("{error}"));
+    let bytes = restpose_formats::write(&baked.model).unwrap_or_else(|error| panic!("{error}"));
+    let asset = Asset::from_bytes(&bytes).unwrap_or_else(|error| panic!("{error}"));
+    (animation, Arc::new(asset))
 }
