@@ -185,9 +185,9 @@ fn prowl_pose(bones: &[Bone], phase: f64) -> (DVec3, Vec<DQuat>) {
     let bob = 0.012 * cos_turn(2.0 * phase);
     let place = bones[PELVIS].joint - DVec3::Y * (0.045 + bob);
     pose[PELVIS] = about_y(5.0 * forth);
-    pose[SPINE] = about_y(-1.0 * forth);
+    pose[SPINE] = about_y(-forth);
     pose[CHEST] = about_y(-5.0 * forth);
-    pose[NECK] = about_y(-1.0 * forth) * about_x(3.0 + 2.0 * cos_turn(2.0 * phase));
+    pose[NECK] = about_y(-forth) * about_x(3.0 + 2.0 * cos_turn(2.0 * phase));
     pose[HEAD] = about_y(5.0 * sideways) * about_x(4.0);
     for (number, bone) in TAIL.into_iter().enumerate() {
         let number = number as f64;

@@ -241,7 +241,7 @@ fn walk_pose(bones: &[Bone], phase: f64) -> (DVec3, Vec<DQuat>) {
         0.0,
     );
     pose[HIPS] = about_y(-7.0 * forth) * about_z(2.5 * sideways) * about_x(3.0);
-    pose[SPINE] = about_y(-1.0 * forth) * about_x(4.0);
+    pose[SPINE] = about_y(-forth) * about_x(4.0);
     pose[CHEST] = about_y(6.0 * forth) * about_z(-1.5 * sideways) * about_x(4.0);
     pose[NECK] = about_y(2.0 * forth) * about_x(2.0);
     pose[HEAD] = about_x(1.0 + 1.5 * cos_turn(2.0 * phase));

@@ -1,0 +1,23 @@
+//! The files in `samples/scenes` are those that the generator writes, byte for byte.
+
+use restpose_samples::scene_files;
+use std::path::Path;
+
+#[test]
+fn committed_files_are_current() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let files = scene_files().expect("the scenes are written");
+    for file in &files {
+        let path = folder.join(file.name);
+        let committed =
+            std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}; run generate", path.display()));
+        assert!(
+            committed == file.bytes,
+            "{} differs from what the generator writes; run generate and look at the change",
+            file.name
+        );
+        assert!(file.bytes.len() < 150_000, "{} has grown large", file.name);
+    }
+    let listed = std::fs::read_dir(&folder).expect("the folder is there");
+    assert_eq!(listed.count(), files.len(), "a file that no generator writes");
+}
