@@ -64,17 +64,10 @@ impl FaultList {
 
     /// All faults, errors first.
     pub fn into_faults(mut self) -> Vec<Fault> {
-        self.faults
-            .sort_by_key(|fault| std::cmp::Reverse(fault.severity));
-        for (severity, count) in [
-            (Severity::Error, self.errors),
-            (Severity::Warning, self.warnings),
-        ] {
+        self.faults.sort_by_key(|fault| std::cmp::Reverse(fault.severity));
+        for (severity, count) in [(Severity::Error, self.errors), (Severity::Warning, self.warnings)] {
             if count > MAX_LISTED {
-                let message = format!(
-                    "{} further faults of this severity are not listed",
-                    count - MAX_LISTED
-                );
+                let message = format!("{} further faults of this severity are not listed", count - MAX_LISTED);
                 self.faults.push(Fault {
                     severity,
                     path: String::new(),
@@ -109,10 +102,7 @@ mod tests {
         list.error("/b", "e");
         assert!(list.has_errors());
         let faults = list.into_faults();
-        assert_eq!(
-            faults.iter().map(|f| f.path.as_str()).collect::<Vec<_>>(),
-            ["/b", "/a"]
-        );
+        assert_eq!(faults.iter().map(|f| f.path.as_str()).collect::<Vec<_>>(), ["/b", "/a"]);
     }
 
     #[test]

@@ -13,9 +13,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-pub use animation::{
-    Animation, Channel, ChannelTarget, Clip, Influence, Local, Mesh, Node, Part, Primitive, Skin,
-};
+pub use animation::{Animation, Channel, ChannelTarget, Clip, Influence, Local, Mesh, Node, Part, Primitive, Skin};
 pub use fault::{Fault, ImportError, Severity};
 pub use gltf::import_gltf_bytes;
 pub use magnitude::MAX_MAGNITUDE;
@@ -42,18 +40,13 @@ pub fn import(path: &Path) -> Result<Imported, ImportError> {
         source,
     })?;
     let folder = path.parent().map(Path::to_owned).unwrap_or_default();
-    gltf::import_gltf(path, &bytes, &|uri| {
-        read_buffer(&folder.join(PathBuf::from(uri)))
-    })
+    gltf::import_gltf(path, &bytes, &|uri| read_buffer(&folder.join(PathBuf::from(uri))))
 }
 
 /// Reads a buffer, which must be an ordinary file: a named pipe or a device could block or never end.
 fn read_buffer(path: &Path) -> io::Result<Vec<u8>> {
     if !std::fs::metadata(path)?.is_file() {
-        return Err(io::Error::new(
-            io::ErrorKind::InvalidInput,
-            "not an ordinary file",
-        ));
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "not an ordinary file"));
     }
     std::fs::read(path)
 }

@@ -35,10 +35,7 @@ fn fox_has_its_triangles_clips_and_joints() {
         ["Survey", "Walk", "Run"]
     );
     assert_eq!(animation.skins[0].joints.len(), 24);
-    assert_eq!(
-        (animation.parts.len(), animation.parts[0].skin),
-        (1, Some(0))
-    );
+    assert_eq!((animation.parts.len(), animation.parts[0].skin), (1, Some(0)));
     assert_eq!(animation.source_name, "Fox.glb");
     assert_eq!(imported.faults, []);
 }

@@ -59,9 +59,7 @@ impl Component {
             (Self::I8, &[a]) => f32::from(a as i8),
             (Self::U8, &[a]) if normalized => f32::from(a) / 255.0,
             (Self::U8, &[a]) => f32::from(a),
-            (Self::I16, &[a, b]) if normalized => {
-                (f32::from(i16::from_le_bytes([a, b])) / 32767.0).max(-1.0)
-            }
+            (Self::I16, &[a, b]) if normalized => (f32::from(i16::from_le_bytes([a, b])) / 32767.0).max(-1.0),
             (Self::I16, &[a, b]) => f32::from(i16::from_le_bytes([a, b])),
             (Self::U16, &[a, b]) if normalized => f32::from(u16::from_le_bytes([a, b])) / 65535.0,
             (Self::U16, &[a, b]) => f32::from(u16::from_le_bytes([a, b])),
@@ -175,11 +173,7 @@ impl<'a> Accessors<'a> {
     ///
     /// # Errors
     /// As [`Accessors::floats`].
-    pub fn wholes<const N: usize>(
-        &self,
-        number: schema::Whole,
-        at: &str,
-    ) -> Result<Vec<[u32; N]>, Fault> {
+    pub fn wholes<const N: usize>(&self, number: schema::Whole, at: &str) -> Result<Vec<[u32; N]>, Fault> {
         use Component::{U8, U16, U32};
         self.elements(number, &[U8, U16, U32], at, Component::whole)
     }
@@ -194,7 +188,7 @@ impl<'a> Accessors<'a> {
             Fault::error(
                 at,
                 format!(
-                    "{count} elements, decoded, would exceed the limit of {} MiB plus {DECODED_BYTES_PER_SOURCE_BYTE} \
+                    "{count} elements more would exceed the memory limit of {} MiB plus {DECODED_BYTES_PER_SOURCE_BYTE} \
                      bytes per byte of source; give each primitive its own, shorter vertex list",
                     DECODED_BYTES_ALWAYS >> 20
                 ),
@@ -219,10 +213,7 @@ impl<'a> Accessors<'a> {
             let (found, expected) = (component.name(), names.join(", "));
             return Err(Fault::error(
                 at,
-                format!(
-                    "accessor {} has {found} components; expected {expected}",
-                    number.0
-                ),
+                format!("accessor {} has {found} components; expected {expected}", number.0),
             ));
         }
         if accessor.shape != shape_name(N) {
@@ -280,24 +271,10 @@ impl<'a> Accessors<'a> {
             ));
         }
         let offset = sparse.indices.byte_offset.map_or(0, |offset| offset.0);
-        let indices = self.strided(
-            sparse.indices.buffer_view,
-            offset,
-            count,
-            kind.byte_len(),
-            false,
-            &path,
-        )?;
+        let indices = self.strided(sparse.indices.buffer_view, offset, count, kind.byte_len(), false, &path)?;
         let values_path = format!("{accessor}/sparse/values");
         let offset = sparse.values.byte_offset.map_or(0, |offset| offset.0);
-        let values = self.strided(
-            sparse.values.buffer_view,
-            offset,
-            count,
-            size,
-            false,
-            &values_path,
-        )?;
+        let values = self.strided(sparse.values.buffer_view, offset, count, size, false, &values_path)?;
         for (place, (index, value)) in indices.zip(values).enumerate() {
             let index = kind.whole(index);
             let Some(element) = out.get_mut(index as usize) else {
@@ -361,9 +338,7 @@ impl<'a> Accessors<'a> {
             _ => size,
         };
         if stride < size {
-            let message = format!(
-                "the stride of {stride} bytes is less than the element size of {size} ({at})"
-            );
+            let message = format!("the stride of {stride} bytes is less than the element size of {size} ({at})");
             return Err(Fault::error(format!("{path}/byteStride"), message));
         }
         let end = count

@@ -14,7 +14,7 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 );
 
 const NO_DATA: &str = "the buffer has no data (no uri, and it is not the binary chunk of a .glb), but is read from; \
-    if a compression extension should fill it, convert the file without compression first";
+    if a compression extension should fill it, convert the file first, without compression";
 
 /// The contents of all buffers.
 #[derive(Debug)]
@@ -112,10 +112,7 @@ impl<'a> Buffers<'a> {
             Some(Err(fault)) => Err(fault.clone()),
             None => Err(Fault::error(
                 format!("/buffers/{number}"),
-                format!(
-                    "does not exist; the file has {} buffers",
-                    self.buffers.len()
-                ),
+                format!("does not exist; the file has {} buffers", self.buffers.len()),
             )),
         }
     }
@@ -130,10 +127,7 @@ fn decode_data(base64: bool, payload: &str) -> Result<Vec<u8>, String> {
     if !base64 {
         return Ok(uri::percent_decoded(payload));
     }
-    let plain: Cow<[u8]> = if payload
-        .bytes()
-        .any(|byte| byte == b'%' || byte.is_ascii_whitespace())
-    {
+    let plain: Cow<[u8]> = if payload.bytes().any(|byte| byte == b'%' || byte.is_ascii_whitespace()) {
         Cow::Owned(
             uri::percent_decoded(payload)
                 .into_iter()

@@ -63,17 +63,9 @@ impl ClipReader<'_> {
     }
 
     /// The channel, or nothing where it moves nothing that an import keeps.
-    fn channel(
-        &self,
-        row: &schema::Channel,
-        at: &str,
-        faults: &mut FaultList,
-    ) -> Result<Option<Channel>, Fault> {
+    fn channel(&self, row: &schema::Channel, at: &str, faults: &mut FaultList) -> Result<Option<Channel>, Fault> {
         let Some(node) = row.target.node else {
-            faults.warn(
-                format!("{at}/target"),
-                "names no node; the channel is ignored",
-            );
+            faults.warn(format!("{at}/target"), "names no node; the channel is ignored");
             return Ok(None);
         };
         let Some(node_row) = self.document.nodes.get(node.0) else {
@@ -177,8 +169,7 @@ impl ClipReader<'_> {
         faults: &mut FaultList,
     ) -> Result<Vec<f32>, Fault> {
         let accessor = self.accessors.get(sampler.output, at)?;
-        let is_integer =
-            self.accessors.component(sampler.output, at)? != super::accessor::Component::F32;
+        let is_integer = self.accessors.component(sampler.output, at)? != super::accessor::Component::F32;
         if is_integer && !accessor.normalized {
             faults.warn(
                 at,
@@ -216,16 +207,13 @@ fn check_rotations(
         (0, 1)
     };
     let mut farthest: Option<[f64; 4]> = None;
-    let off_unit =
-        |quaternion: &[f64; 4]| (quaternion.iter().map(|x| x * x).sum::<f64>() - 1.0).abs();
+    let off_unit = |quaternion: &[f64; 4]| (quaternion.iter().map(|x| x * x).sum::<f64>() - 1.0).abs();
     for (key, quaternion) in quaternions.iter().skip(first).step_by(step).enumerate() {
         let length_squared: f32 = quaternion.iter().map(|x| x * x).sum();
         if !length_squared.is_normal() {
             return Err(Fault::error(
                 at,
-                format!(
-                    "the rotation of key {key} is {quaternion:?}; expected a quaternion of length one"
-                ),
+                format!("the rotation of key {key} is {quaternion:?}; expected a quaternion of length one"),
             ));
         }
         let wide = quaternion.map(f64::from);

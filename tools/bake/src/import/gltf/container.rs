@@ -29,10 +29,7 @@ pub(super) enum ContainerError {
 ///
 /// Source: glTF 2.0 §4.4. Differs: chunk lengths need not be multiples of four, padding of the JSON chunk may also be
 /// zeros, and bytes behind the declared length are ignored with a warning.
-pub(super) fn split<'a>(
-    bytes: &'a [u8],
-    faults: &mut FaultList,
-) -> Result<Container<'a>, ContainerError> {
+pub(super) fn split<'a>(bytes: &'a [u8], faults: &mut FaultList) -> Result<Container<'a>, ContainerError> {
     if bytes.starts_with(MAGIC) {
         return split_binary(bytes, faults);
     }
@@ -49,10 +46,7 @@ pub(super) fn split<'a>(
     }
 }
 
-fn split_binary<'a>(
-    bytes: &'a [u8],
-    faults: &mut FaultList,
-) -> Result<Container<'a>, ContainerError> {
+fn split_binary<'a>(bytes: &'a [u8], faults: &mut FaultList) -> Result<Container<'a>, ContainerError> {
     let broken = |message: String| ContainerError::Broken(Fault::error("", message));
     let (Some(version), Some(declared)) = (word(bytes, 4), word(bytes, 8)) else {
         return Err(broken(format!(
@@ -81,7 +75,7 @@ fn split_binary<'a>(
     }
     let (mut json, mut bin) = (None, None);
     let mut at = HEADER_LEN;
-    for number in 0.. {
+    for number in 0u32.. {
         if body.len() <= at {
             break;
         }
@@ -91,10 +85,7 @@ fn split_binary<'a>(
             )));
         };
         let start = at + CHUNK_HEADER_LEN;
-        let Some(chunk) = start
-            .checked_add(length as usize)
-            .and_then(|end| body.get(start..end))
-        else {
+        let Some(chunk) = start.checked_add(length as usize).and_then(|end| body.get(start..end)) else {
             return Err(broken(format!(
                 "chunk {number} at byte {at}: declares {length} bytes, {} are left",
                 body.len() - start

@@ -36,19 +36,13 @@ pub(super) fn parse(json: &[u8], faults: &mut FaultList) -> Result<Document, Doc
             if let Ok(schema::Head { asset: Some(asset) }) = serde_json::from_slice(json) {
                 check_version(&asset)?;
             }
-            faults.error(
-                schema::json_pointer(error.path()),
-                error.inner().to_string(),
-            );
+            faults.error(schema::json_pointer(error.path()), error.inner().to_string());
             return Err(DocumentError::Broken);
         }
     };
     check_version(&root.asset)?;
     if let Err(error) = deserializer.end() {
-        faults.warn(
-            "",
-            format!("text behind the JSON object is ignored: {error}"),
-        );
+        faults.warn("", format!("text behind the JSON object is ignored: {error}"));
     }
     let document = Document {
         extensions_used: root.extensions_used,
@@ -72,8 +66,7 @@ pub(super) fn parse(json: &[u8], faults: &mut FaultList) -> Result<Document, Doc
 }
 
 fn check_version(asset: &schema::Asset) -> Result<(), DocumentError> {
-    let foreign =
-        |what: &str, version: &str| Err(DocumentError::Foreign(format!("{what} {version}")));
+    let foreign = |what: &str, version: &str| Err(DocumentError::Foreign(format!("{what} {version}")));
     if asset.version.split('.').next() != Some("2") {
         return foreign("the file is glTF", &asset.version);
     }
@@ -88,9 +81,7 @@ fn fitting<T>(section: &str, elements: Vec<Element<T>>, faults: &mut FaultList) 
     for (number, element) in elements.into_iter().enumerate() {
         match element {
             Element::Good(element) => out.push(element),
-            Element::Bad(pointer, message) => {
-                faults.error(format!("/{section}/{number}{pointer}"), message)
-            }
+            Element::Bad(pointer, message) => faults.error(format!("/{section}/{number}{pointer}"), message),
         }
     }
     out

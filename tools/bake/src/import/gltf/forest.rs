@@ -12,11 +12,7 @@ pub(super) fn parents(nodes: &[schema::Node], faults: &mut FaultList) -> Vec<Opt
             match parents.get_mut(child.0) {
                 None => faults.error(
                     at(),
-                    format!(
-                        "node {} does not exist; the file has {}",
-                        child.0,
-                        nodes.len()
-                    ),
+                    format!("node {} does not exist; the file has {}", child.0, nodes.len()),
                 ),
                 Some(Some(first)) => {
                     let message = format!(
@@ -43,9 +39,7 @@ fn report_cycles(parents: &[Option<usize>], faults: &mut FaultList) {
             match walk_of.get_mut(node) {
                 Some(walk) if *walk == UNSEEN => *walk = start,
                 Some(walk) if *walk == start => {
-                    let message = format!(
-                        "node {node} is its own ancestor; expected a hierarchy without cycles"
-                    );
+                    let message = format!("node {node} is its own ancestor; expected a hierarchy without cycles");
                     faults.error(format!("/nodes/{node}"), message);
                     break;
                 }
@@ -63,29 +57,17 @@ mod tests {
     fn faults_of(children: &[&[usize]]) -> Vec<String> {
         let nodes: Vec<schema::Node> = children
             .iter()
-            .map(|children| {
-                serde_json::from_value(serde_json::json!({ "children": children })).unwrap()
-            })
+            .map(|children| serde_json::from_value(serde_json::json!({ "children": children })).unwrap())
             .collect();
         let mut faults = FaultList::default();
         parents(&nodes, &mut faults);
-        faults
-            .into_faults()
-            .into_iter()
-            .map(|fault| fault.path)
-            .collect()
+        faults.into_faults().into_iter().map(|fault| fault.path).collect()
     }
 
     #[test]
     fn one_fault_per_cycle() {
-        assert_eq!(
-            faults_of(&[&[1], &[2], &[1, 3], &[]]),
-            ["/nodes/2/children/0"]
-        );
-        assert_eq!(
-            faults_of(&[&[1], &[0], &[2], &[4], &[]]),
-            ["/nodes/0", "/nodes/2"]
-        );
+        assert_eq!(faults_of(&[&[1], &[2], &[1, 3], &[]]), ["/nodes/2/children/0"]);
+        assert_eq!(faults_of(&[&[1], &[0], &[2], &[4], &[]]), ["/nodes/0", "/nodes/2"]);
     }
 
     #[test]

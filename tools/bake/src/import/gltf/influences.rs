@@ -28,14 +28,7 @@ pub(super) fn read(
     let mut complete = true;
     let mut sets = Vec::new();
     for number in numbers {
-        let set = read_set(
-            attributes,
-            accessors,
-            vertex_count,
-            number,
-            primitive,
-            faults,
-        );
+        let set = read_set(attributes, accessors, vertex_count, number, primitive, faults);
         match faults.keep(set) {
             Some(set) => {
                 complete &= check(&set, joint_count, primitive, faults);
@@ -68,12 +61,12 @@ pub(super) fn read(
                 weight: *weight,
             })
         }));
-        let sum: f64 = merged
-            .iter()
-            .map(|influence| f64::from(influence.weight))
-            .sum();
+        let sum: f64 = merged.iter().map(|influence| f64::from(influence.weight)).sum();
         if merged.is_empty() {
-            faults.error(at, format!("the weights of vertex {vertex} sum to zero; expected a positive sum, normally one"));
+            faults.error(
+                at,
+                format!("the weights of vertex {vertex} sum to zero; expected a positive sum, normally one"),
+            );
             return None;
         }
         let miss = (sum - 1.0).abs();
@@ -95,14 +88,9 @@ pub(super) fn read(
 /// The numbers n of which `JOINTS_n` or `WEIGHTS_n` exists.
 fn set_numbers(attributes: &BTreeMap<String, Whole>) -> BTreeSet<u32> {
     let number = |name: &String| {
-        let digits = name
-            .strip_prefix("JOINTS_")
-            .or_else(|| name.strip_prefix("WEIGHTS_"))?;
+        let digits = name.strip_prefix("JOINTS_").or_else(|| name.strip_prefix("WEIGHTS_"))?;
         // "+1" and "01" parse as numbers but name no set.
-        digits
-            .parse::<u32>()
-            .ok()
-            .filter(|number| number.to_string() == digits)
+        digits.parse::<u32>().ok().filter(|number| number.to_string() == digits)
     };
     attributes.keys().filter_map(number).collect()
 }
@@ -133,10 +121,7 @@ fn read_set(
         })
     };
     let (joint_index, weight_index) = (find(joints, weights)?, find(weights, joints)?);
-    let (joints_at, weights_at) = (
-        attribute_path(primitive, joints),
-        attribute_path(primitive, weights),
-    );
+    let (joints_at, weights_at) = (attribute_path(primitive, joints), attribute_path(primitive, weights));
     expect_count(
         accessors.get(joint_index, &joints_at)?.count.0,
         vertex_count,
@@ -171,37 +156,24 @@ fn read_set(
 fn check(set: &Set, joint_count: usize, primitive: &str, faults: &mut FaultList) -> bool {
     let pairs = || {
         let vertices = set.joints.iter().zip(&set.weights).enumerate();
-        vertices.flat_map(|(vertex, (joints, weights))| {
-            joints.iter().zip(weights).map(move |pair| (vertex, pair))
-        })
+        vertices.flat_map(|(vertex, (joints, weights))| joints.iter().zip(weights).map(move |pair| (vertex, pair)))
     };
     let negative = pairs().find(|(_, (_, weight))| **weight < 0.0);
     if let Some((vertex, (_, weight))) = negative {
         let message = format!("vertex {vertex} has the weight {weight}; expected none below zero");
-        faults.error(
-            attribute_path(primitive, &format!("WEIGHTS_{}", set.number)),
-            message,
-        );
+        faults.error(attribute_path(primitive, &format!("WEIGHTS_{}", set.number)), message);
     }
-    let missing =
-        pairs().find(|(_, (joint, weight))| **weight > 0.0 && **joint as usize >= joint_count);
+    let missing = pairs().find(|(_, (joint, weight))| **weight > 0.0 && **joint as usize >= joint_count);
     if let Some((vertex, (joint, _))) = missing {
-        let message = format!(
-            "vertex {vertex} refers to joint {joint}; the skin over it has {joint_count} joints"
-        );
-        faults.error(
-            attribute_path(primitive, &format!("JOINTS_{}", set.number)),
-            message,
-        );
+        let message = format!("vertex {vertex} refers to joint {joint}; the skin over it has {joint_count} joints");
+        faults.error(attribute_path(primitive, &format!("JOINTS_{}", set.number)), message);
     }
     negative.is_none() && missing.is_none()
 }
 
 /// Adds the weights of each joint and drops joints without any.
 fn merge(influences: impl Iterator<Item = Influence>) -> Vec<Influence> {
-    let mut sorted: Vec<Influence> = influences
-        .filter(|influence| influence.weight > 0.0)
-        .collect();
+    let mut sorted: Vec<Influence> = influences.filter(|influence| influence.weight > 0.0).collect();
     sorted.sort_by_key(|influence| influence.joint);
     let mut out: Vec<Influence> = Vec::with_capacity(sorted.len());
     for influence in sorted {
@@ -219,8 +191,7 @@ mod tests {
 
     #[test]
     fn merging_adds_the_weights_of_a_joint() {
-        let list = [(4, 0.25), (1, 0.5), (4, 0.25), (9, 0.0)]
-            .map(|(joint, weight)| Influence { joint, weight });
+        let list = [(4, 0.25), (1, 0.5), (4, 0.25), (9, 0.0)].map(|(joint, weight)| Influence { joint, weight });
         let merged = [(1, 0.5), (4, 0.5)].map(|(joint, weight)| Influence { joint, weight });
         assert_eq!(merge(list.into_iter()), merged);
     }
@@ -236,13 +207,7 @@ mod tests {
             "JOINTS_x",
             "POSITION",
         ];
-        let attributes = names
-            .map(|name| (name.to_owned(), Whole(0)))
-            .into_iter()
-            .collect();
-        assert_eq!(
-            set_numbers(&attributes).into_iter().collect::<Vec<_>>(),
-            [0, 10]
-        );
+        let attributes = names.map(|name| (name.to_owned(), Whole(0))).into_iter().collect();
+        assert_eq!(set_numbers(&attributes).into_iter().collect::<Vec<_>>(), [0, 10]);
     }
 }

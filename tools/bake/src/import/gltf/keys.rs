@@ -22,11 +22,7 @@ pub(super) fn clean(
     at: &str,
     faults: &mut FaultList,
 ) -> Result<Keys, Fault> {
-    if let Some((key, pair)) = times
-        .windows(2)
-        .enumerate()
-        .find(|(_, pair)| pair[1] < pair[0])
-    {
+    if let Some((key, pair)) = times.windows(2).enumerate().find(|(_, pair)| pair[1] < pair[0]) {
         let message = format!(
             "key {} is at {} s, after key {key} at {} s; expected increasing times, export the animation again",
             key + 1,
@@ -36,10 +32,7 @@ pub(super) fn clean(
         return Err(Fault::error(at, message));
     }
     if let Some(first) = times.first().filter(|first| **first < 0.0) {
-        faults.warn(
-            at,
-            format!("the first key is at {first} s; expected none before zero"),
-        );
+        faults.warn(at, format!("the first key is at {first} s; expected none before zero"));
     }
     if times.windows(2).all(|pair| pair[0] < pair[1]) {
         return Ok(Keys { times, values });
@@ -61,9 +54,7 @@ pub(super) fn clean(
     let gone = times.len() - out.times.len();
     faults.warn(
         at,
-        format!(
-            "several keys are at one time; they are taken as jumps, and {gone} keys are dropped"
-        ),
+        format!("several keys are at one time; they are taken as jumps, and {gone} keys are dropped"),
     );
     Ok(out)
 }
@@ -115,15 +106,6 @@ mod tests {
 
     #[test]
     fn decreasing_times_are_refused() {
-        assert!(
-            clean(
-                vec![0.0, 2.0, 1.0],
-                vec![0.0; 3],
-                1,
-                "",
-                &mut FaultList::default()
-            )
-            .is_err()
-        );
+        assert!(clean(vec![0.0, 2.0, 1.0], vec![0.0; 3], 1, "", &mut FaultList::default()).is_err());
     }
 }

@@ -22,28 +22,42 @@ pub(super) fn read(
         .iter()
         .any(|name| name == "KHR_mesh_quantization");
     let mut quantized = false;
-    let meshes = document.meshes.iter().zip(joint_counts).enumerate().map(|(number, (row, joint_count))| {
-        let mut mesh = Mesh { name: row.name.clone().unwrap_or_default(), ..Mesh::default() };
-        let mut target_count = None;
-        for (place, row) in row.primitives.iter().enumerate() {
-            let reader = PrimitiveReader { row, path: format!("/meshes/{number}/primitives/{place}"), accessors };
-            let position = row.attributes.get("POSITION");
-            let kind = position.map(|index| accessors.component(*index, &reader.path));
-            quantized |= matches!(kind, Some(Ok(kind)) if kind != Component::F32);
-            let Some(primitive) = reader.read(place, *joint_count, faults) else { continue };
-            let found = primitive.morph_targets.len();
-            let expected = *target_count.get_or_insert(found);
-            if found != expected {
-                faults.error(
-                    format!("{}/targets", reader.path),
-                    format!("{found} morph targets; expected {expected}, as in the mesh's other primitives"),
-                );
+    let meshes = document
+        .meshes
+        .iter()
+        .zip(joint_counts)
+        .enumerate()
+        .map(|(number, (row, joint_count))| {
+            let mut mesh = Mesh {
+                name: row.name.clone().unwrap_or_default(),
+                ..Mesh::default()
+            };
+            let mut target_count = None;
+            for (place, row) in row.primitives.iter().enumerate() {
+                let reader = PrimitiveReader {
+                    row,
+                    path: format!("/meshes/{number}/primitives/{place}"),
+                    accessors,
+                };
+                let position = row.attributes.get("POSITION");
+                let kind = position.map(|index| accessors.component(*index, &reader.path));
+                quantized |= matches!(kind, Some(Ok(kind)) if kind != Component::F32);
+                let Some(primitive) = reader.read(place, *joint_count, faults) else {
+                    continue;
+                };
+                let found = primitive.morph_targets.len();
+                let expected = *target_count.get_or_insert(found);
+                if found != expected {
+                    faults.error(
+                        format!("{}/targets", reader.path),
+                        format!("{found} morph targets; expected {expected}, as in the mesh's other primitives"),
+                    );
+                }
+                mesh.primitives.push(primitive);
             }
-            mesh.primitives.push(primitive);
-        }
-        mesh.morph_target_count = target_count.unwrap_or(0);
-        mesh
-    });
+            mesh.morph_target_count = target_count.unwrap_or(0);
+            mesh
+        });
     let meshes = meshes.collect();
     if quantized && !quantization_declared {
         faults.warn(
@@ -54,6 +68,14 @@ pub(super) fn read(
     meshes
 }
 
+/// The vertices that a primitive claims to have.
+#[derive(Clone, Copy)]
+struct Vertices {
+    count: usize,
+    /// Positions have been decoded, so that the count is more than a claim.
+    backed: bool,
+}
+
 struct PrimitiveReader<'a> {
     row: &'a schema::Primitive,
     path: String,
@@ -62,12 +84,7 @@ struct PrimitiveReader<'a> {
 
 impl PrimitiveReader<'_> {
     /// The primitive, or nothing where it has no triangles or a fault.
-    fn read(
-        &self,
-        place: usize,
-        joint_count: Option<usize>,
-        faults: &mut FaultList,
-    ) -> Option<Primitive> {
+    fn read(&self, place: usize, joint_count: Option<usize>, faults: &mut FaultList) -> Option<Primitive> {
         let topology = match self.row.mode.map_or(4, |mode| mode.0) {
             4 => Topology::List,
             5 => Topology::Strip,
@@ -80,10 +97,7 @@ impl PrimitiveReader<'_> {
                 return None;
             }
             other => {
-                faults.error(
-                    format!("{}/mode", self.path),
-                    format!("is {other}; expected 0 to 6"),
-                );
+                faults.error(format!("{}/mode", self.path), format!("is {other}; expected 0 to 6"));
                 return None;
             }
         };
@@ -99,23 +113,25 @@ impl PrimitiveReader<'_> {
             return None;
         }
         let at = format!("{}/attributes/POSITION", self.path);
-        let positions = faults.keep(
-            self.accessors
-                .floats::<3>(*position, Numbers::Quantized, &at),
-        );
+        let positions = faults.keep(self.accessors.floats::<3>(*position, Numbers::Quantized, &at));
         // The other properties are read even where the positions fail, so that their own faults are found as well.
-        let vertex_count = positions.as_ref().map(Vec::len).or(self
-            .accessors
-            .get(*position, &at)
-            .ok()
-            .map(|row| row.count.0))?;
-        let triangles = self.triangles(topology, vertex_count, faults);
-        let morph_targets = self.morph_targets(vertex_count, faults);
+        let vertices = match &positions {
+            Some(positions) => Vertices {
+                count: positions.len(),
+                backed: true,
+            },
+            None => Vertices {
+                count: self.accessors.get(*position, &at).ok()?.count.0,
+                backed: false,
+            },
+        };
+        let triangles = self.triangles(topology, vertices, faults);
+        let morph_targets = self.morph_targets(vertices, faults);
         let influences = match joint_count {
             Some(joints) => influences::read(
                 &self.row.attributes,
                 self.accessors,
-                vertex_count,
+                vertices.count,
                 joints,
                 &self.path,
                 faults,
@@ -138,39 +154,37 @@ impl PrimitiveReader<'_> {
 
     /// An accessor without data stands for zeros; under Draco it stands for compressed data instead.
     fn refuse_draco(&self, position: schema::Whole) -> Result<(), Fault> {
-        let at = format!("{}/attributes/POSITION", self.path);
-        let accessor = self.accessors.get(position, &at)?;
-        if self.row.extensions.contains_key(DRACO) && accessor.buffer_view.is_none() {
-            return Err(Fault::error(
-                format!("{}/extensions/{DRACO}", self.path),
-                "the primitive is compressed with Draco and has no uncompressed copy; convert the file without it first",
-            ));
+        if !self.row.extensions.contains_key(DRACO) {
+            return Ok(());
+        }
+        for accessor in [Some(position), self.row.indices].into_iter().flatten() {
+            if self.accessors.get(accessor, &self.path)?.buffer_view.is_none() {
+                let message = "the primitive is compressed with Draco and has no uncompressed copy; convert the file \
+                     first, without compression";
+                return Err(Fault::error(format!("{}/extensions/{DRACO}", self.path), message));
+            }
         }
         Ok(())
     }
 
-    fn triangles(
-        &self,
-        topology: Topology,
-        vertex_count: usize,
-        faults: &mut FaultList,
-    ) -> Option<Vec<[u32; 3]>> {
+    fn triangles(&self, topology: Topology, vertices: Vertices, faults: &mut FaultList) -> Option<Vec<[u32; 3]>> {
         let (indices, at) = match self.row.indices {
             Some(index) => {
                 let at = format!("{}/indices", self.path);
-                let indices = self.indices(index, vertex_count, &at, faults);
+                let indices = self.indices(index, vertices.count, &at, faults);
                 (faults.keep(indices)?, at)
             }
+            None if !vertices.backed => return None,
             None => {
                 let at = format!("{}/attributes/POSITION", self.path);
-                let Ok(count) = u32::try_from(vertex_count) else {
+                let Ok(count) = u32::try_from(vertices.count) else {
                     faults.error(
                         at,
-                        format!("{vertex_count} vertices; expected at most {}", u32::MAX),
+                        format!("{} vertices; expected at most {}", vertices.count, u32::MAX),
                     );
                     return None;
                 };
-                faults.keep(self.accessors.charge(vertex_count, size_of::<u32>(), &at))?;
+                faults.keep(self.accessors.charge(vertices.count, size_of::<u32>(), &at))?;
                 ((0..count).collect(), at)
             }
         };
@@ -218,16 +232,15 @@ impl PrimitiveReader<'_> {
             _ => u32::MAX,
         };
         if indices.contains(&restart) {
-            faults.warn(at, format!("index {restart} restarts primitives on some hardware; here it is vertex {restart}"));
+            faults.warn(
+                at,
+                format!("index {restart} restarts primitives on some hardware; here it is vertex {restart}"),
+            );
         }
         Ok(indices)
     }
 
-    fn morph_targets(
-        &self,
-        vertex_count: usize,
-        faults: &mut FaultList,
-    ) -> Option<Vec<Vec<[f32; 3]>>> {
+    fn morph_targets(&self, vertices: Vertices, faults: &mut FaultList) -> Option<Vec<Vec<[f32; 3]>>> {
         let mut out = Some(Vec::new());
         for (number, target) in self.row.targets.iter().enumerate() {
             let at = format!("{}/targets/{number}/POSITION", self.path);
@@ -235,15 +248,13 @@ impl PrimitiveReader<'_> {
                 Some(accessor) => self
                     .accessors
                     .get(*accessor, &at)
-                    .and_then(|row| expect_count(row.count.0, vertex_count, &at))
-                    .and_then(|()| {
-                        self.accessors
-                            .floats::<3>(*accessor, Numbers::Quantized, &at)
-                    }),
+                    .and_then(|row| expect_count(row.count.0, vertices.count, &at))
+                    .and_then(|()| self.accessors.floats::<3>(*accessor, Numbers::Quantized, &at)),
+                None if !vertices.backed => return None,
                 None => self
                     .accessors
-                    .charge(vertex_count, size_of::<[f32; 3]>(), &at)
-                    .map(|()| vec![[0.0; 3]; vertex_count]),
+                    .charge(vertices.count, size_of::<[f32; 3]>(), &at)
+                    .map(|()| vec![[0.0; 3]; vertices.count]),
             };
             match (faults.keep(read), &mut out) {
                 (Some(target), Some(targets)) => targets.push(target),

@@ -54,10 +54,7 @@ pub(super) fn import_gltf(
         path: path(),
         faults: faults.into_faults(),
     };
-    let foreign = |found: String| ImportError::UnknownFormat {
-        path: path(),
-        found,
-    };
+    let foreign = |found: String| ImportError::UnknownFormat { path: path(), found };
 
     let mut faults = FaultList::default();
     let container = match container::split(bytes, &mut faults) {
@@ -89,13 +86,7 @@ pub(super) fn import_gltf(
 
     let mut hash = blake3::Hasher::new();
     hash.update(bytes);
-    let buffers = buffers::Buffers::load(
-        &document,
-        container.bin,
-        load_buffer,
-        &mut hash,
-        &mut faults,
-    );
+    let buffers = buffers::Buffers::load(&document, container.bin, load_buffer, &mut hash, &mut faults);
     let source_bytes = bytes.len().saturating_add(buffers.external_bytes());
     let accessors = accessor::Accessors::new(&document, &buffers, source_bytes);
     let mut animation = Animation {
@@ -107,27 +98,12 @@ pub(super) fn import_gltf(
         ..Animation::default()
     };
     animation.nodes = nodes::read(&document, &mut faults);
-    animation.meshes = meshes::read(
-        &document,
-        &accessors,
-        &skins::joint_counts(&document),
-        &mut faults,
-    );
+    animation.meshes = meshes::read(&document, &accessors, &skins::joint_counts(&document), &mut faults);
     animation.skins = skins::read(&document, &accessors, &mut faults);
-    let target_counts: Vec<usize> = animation
-        .meshes
-        .iter()
-        .map(|mesh| mesh.morph_target_count)
-        .collect();
-    nodes::set_weights(
-        &document,
-        &accessors,
-        &target_counts,
-        &mut animation.nodes,
-        &mut faults,
-    );
+    let target_counts: Vec<usize> = animation.meshes.iter().map(|mesh| mesh.morph_target_count).collect();
+    nodes::set_weights(&document, &accessors, &target_counts, &mut animation.nodes, &mut faults);
     animation.clips = clips::read(&document, &accessors, &target_counts, &mut faults);
-    animation.parts = parts::read(&document, &animation.nodes, &animation.meshes, &mut faults);
+    animation.parts = parts::read(&document, &accessors, &animation.nodes, &animation.meshes, &mut faults);
     if faults.has_errors() {
         return Err(failed(faults));
     }

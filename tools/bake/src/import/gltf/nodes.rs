@@ -26,15 +26,8 @@ pub(super) fn read(document: &Document, faults: &mut FaultList) -> Vec<Node> {
 /// Nodes whose translation, rotation or scale some channel moves.
 fn animated_nodes(document: &Document) -> Vec<bool> {
     let mut animated = vec![false; document.nodes.len()];
-    for channel in document
-        .animations
-        .iter()
-        .flat_map(|animation| &animation.channels)
-    {
-        let moves = matches!(
-            channel.target.path.as_str(),
-            "translation" | "rotation" | "scale"
-        );
+    for channel in document.animations.iter().flat_map(|animation| &animation.channels) {
+        let moves = matches!(channel.target.path.as_str(), "translation" | "rotation" | "scale");
         if let Some(node) = channel
             .target
             .node
@@ -47,12 +40,7 @@ fn animated_nodes(document: &Document) -> Vec<bool> {
     animated
 }
 
-fn check_references(
-    document: &Document,
-    number: usize,
-    node: &schema::Node,
-    faults: &mut FaultList,
-) {
+fn check_references(document: &Document, number: usize, node: &schema::Node, faults: &mut FaultList) {
     for (key, index, count) in [
         ("mesh", node.mesh, document.meshes.len()),
         ("skin", node.skin, document.skins.len()),
@@ -115,30 +103,22 @@ fn local(number: usize, node: &schema::Node, animated: bool, faults: &mut FaultL
     }
 }
 
-fn matrix_local(
-    matrix: &[f64; 16],
-    animated: bool,
-    at: &str,
-    faults: &mut FaultList,
-) -> Result<Local, Fault> {
-    let (columns, exact) =
-        transform::affine(matrix).map_err(|message| Fault::error(at, message))?;
+fn matrix_local(matrix: &[f64; 16], animated: bool, at: &str, faults: &mut FaultList) -> Result<Local, Fault> {
+    let (columns, exact) = transform::affine(matrix).map_err(|message| Fault::error(at, message))?;
     if !exact {
-        faults.warn(
-            at,
-            "the bottom row is not exactly 0, 0, 0, 1; it is taken to be",
-        );
+        faults.warn(at, "the bottom row is not exactly 0, 0, 0, 1; it is taken to be");
     }
     if !animated {
         return Ok(Local::Matrix(columns.map(narrow)));
     }
     let (rotation, scale) = transform::rotation_and_scale(&columns).map_err(|reason| {
-        let message = format!(
-            "{reason}, but the node is animated; give it translation, rotation and scale instead"
-        );
+        let message = format!("{reason}, but the node is animated; give it translation, rotation and scale instead");
         Fault::error(at, message)
     })?;
-    faults.warn(at, "an animated node should have no matrix; it was taken apart into translation, rotation and scale");
+    faults.warn(
+        at,
+        "an animated node should have no matrix; it was taken apart into translation, rotation and scale",
+    );
     Ok(Local::Trs {
         translation: narrow(columns[3]),
         rotation: narrow(rotation),
@@ -150,10 +130,7 @@ fn matrix_local(
 pub(super) fn warn_unless_unit(rotation: [f64; 4], at: &str, faults: &mut FaultList) {
     let length = rotation.iter().map(|x| x * x).sum::<f64>().sqrt();
     if (length - 1.0).abs() > UNIT_LENGTH_TOLERANCE {
-        faults.warn(
-            at,
-            format!("is a quaternion of length {length}; it is normalised"),
-        );
+        faults.warn(at, format!("is a quaternion of length {length}; it is normalised"));
     }
 }
 
@@ -175,32 +152,19 @@ pub(super) fn set_weights(
     }
     for (number, (row, node)) in document.nodes.iter().zip(nodes).enumerate() {
         let count = row.mesh.and_then(|mesh| target_counts.get(mesh.0));
-        check_weights(
-            &row.weights,
-            count,
-            &format!("/nodes/{number}/weights"),
-            faults,
-        );
+        check_weights(&row.weights, count, &format!("/nodes/{number}/weights"), faults);
         let mesh_weights = || document.meshes.get(row.mesh?.0)?.weights.as_ref();
         let weights = row.weights.as_ref().or_else(mesh_weights);
-        node.weights = weights.map_or_else(Vec::new, |weights| {
-            weights.iter().map(|w| *w as f32).collect()
-        });
+        node.weights = weights.map_or_else(Vec::new, |weights| weights.iter().map(|w| *w as f32).collect());
         let count = count.copied().unwrap_or(0);
-        let affordable =
-            accessors.charge(count, size_of::<f32>(), &format!("/nodes/{number}/mesh"));
+        let affordable = accessors.charge(count, size_of::<f32>(), &format!("/nodes/{number}/mesh"));
         if faults.keep(affordable).is_some() {
             node.weights.resize(count, 0.0);
         }
     }
 }
 
-fn check_weights(
-    weights: &Option<Vec<f64>>,
-    count: Option<&usize>,
-    at: &str,
-    faults: &mut FaultList,
-) {
+fn check_weights(weights: &Option<Vec<f64>>, count: Option<&usize>, at: &str, faults: &mut FaultList) {
     let Some(weights) = weights else { return };
     let count = count.copied().unwrap_or(0);
     if weights.len() != count {

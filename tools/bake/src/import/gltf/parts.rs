@@ -1,14 +1,16 @@
-use super::document::Document;
+use super::{accessor::Accessors, document::Document};
 use crate::import::{Mesh, Node, Part, fault_list::FaultList};
 
 /// Every mesh that the scene shows, in the order of the nodes.
 pub(super) fn read(
     document: &Document,
+    accessors: &Accessors,
     nodes: &[Node],
     meshes: &[Mesh],
     faults: &mut FaultList,
 ) -> Vec<Part> {
     let shown = shown_nodes(document, nodes, faults);
+    let skinnable: Vec<Skinnable> = meshes.iter().map(skinnable).collect();
     let mut out = Vec::new();
     for (number, (row, node)) in document.nodes.iter().zip(nodes).enumerate() {
         let Some(mesh_number) = row.mesh.filter(|_| shown.get(number) == Some(&true)) else {
@@ -24,17 +26,21 @@ pub(super) fn read(
             }
             continue;
         }
-        let name = [&node.name, &mesh.name]
-            .into_iter()
-            .find(|name| !name.is_empty());
+        let name = [&node.name, &mesh.name].into_iter().find(|name| !name.is_empty());
+        // Many nodes may share one mesh with a very long name.
+        let name_length = name.map_or(0, String::len);
+        if faults
+            .keep(accessors.charge(name_length, 1, &format!("/nodes/{number}/mesh")))
+            .is_none()
+        {
+            break;
+        }
+        let follows = |_: &usize| follows_skin(number, skinnable.get(mesh_number.0), faults);
         out.push(Part {
+            skin: row.skin.map(|skin| skin.0).filter(follows),
             name: name.cloned().unwrap_or_else(|| format!("node {number}")),
             node: number,
             mesh: mesh_number.0,
-            skin: row
-                .skin
-                .map(|skin| skin.0)
-                .filter(|_| has_joints(number, mesh, faults)),
         });
     }
     warn_about_unused_joints(document, faults);
@@ -45,26 +51,45 @@ pub(super) fn read(
     out
 }
 
-/// True when the whole mesh can follow a skin.
-fn has_joints(node: usize, mesh: &Mesh, faults: &mut FaultList) -> bool {
-    let without: Vec<_> = mesh
+/// Which primitives of a mesh can follow a skin.
+enum Skinnable {
+    All,
+    Not,
+    /// Only some; the first that cannot.
+    Except(usize),
+}
+
+fn skinnable(mesh: &Mesh) -> Skinnable {
+    let mut without = mesh
         .primitives
         .iter()
-        .filter(|primitive| primitive.influences.is_empty())
-        .collect();
-    if without.len() == mesh.primitives.len() {
-        let message = "the mesh has no JOINTS_0 and WEIGHTS_0; the skin is ignored and the node's transform moves it";
-        faults.warn(format!("/nodes/{node}/skin"), message);
-        return false;
+        .filter(|primitive| primitive.influences.is_empty());
+    match without.next() {
+        None => Skinnable::All,
+        Some(_) if without.count() + 1 == mesh.primitives.len() => Skinnable::Not,
+        Some(first) => Skinnable::Except(first.source_primitive),
     }
-    if let Some(first) = without.first() {
-        let message = format!(
-            "primitive {} of the mesh has no JOINTS_0 and WEIGHTS_0, others have; expected all or none under a skin",
-            first.source_primitive
-        );
-        faults.error(format!("/nodes/{node}/skin"), message);
+}
+
+/// True when the node's mesh follows the node's skin.
+fn follows_skin(node: usize, skinnable: Option<&Skinnable>, faults: &mut FaultList) -> bool {
+    let at = || format!("/nodes/{node}/skin");
+    match skinnable {
+        Some(Skinnable::All) => return true,
+        Some(Skinnable::Except(primitive)) => {
+            let message = format!(
+                "primitive {primitive} of the mesh has no JOINTS_0 and WEIGHTS_0, others have; expected all or none \
+                 under a skin"
+            );
+            faults.error(at(), message);
+        }
+        Some(Skinnable::Not) | None => {
+            let message =
+                "the mesh has no JOINTS_0 and WEIGHTS_0; the skin is ignored and the node's transform moves it";
+            faults.warn(at(), message);
+        }
     }
-    true
+    false
 }
 
 fn warn_about_unused_joints(document: &Document, faults: &mut FaultList) {
@@ -84,10 +109,7 @@ fn warn_about_unused_joints(document: &Document, faults: &mut FaultList) {
         for (place, primitive) in mesh.primitives.iter().enumerate() {
             if primitive.attributes.contains_key("JOINTS_0") {
                 let at = format!("/meshes/{number}/primitives/{place}/attributes/JOINTS_0");
-                faults.warn(
-                    at,
-                    "no node puts the mesh under a skin; the joints are ignored",
-                );
+                faults.warn(at, "no node puts the mesh under a skin; the joints are ignored");
             }
         }
     }
@@ -99,10 +121,7 @@ fn shown_nodes(document: &Document, nodes: &[Node], faults: &mut FaultList) -> V
     let number = document.scene.map_or(0, |scene| scene.0);
     let Some(scene) = document.scenes.get(number) else {
         if document.scene.is_some() {
-            let message = format!(
-                "scene {number} does not exist; the file has {}",
-                document.scenes.len()
-            );
+            let message = format!("scene {number} does not exist; the file has {}", document.scenes.len());
             faults.error("/scene", message);
         }
         return vec![true; count];
@@ -112,10 +131,7 @@ fn shown_nodes(document: &Document, nodes: &[Node], faults: &mut FaultList) -> V
     for (place, root) in scene.nodes.iter().enumerate() {
         let at = || format!("/scenes/{number}/nodes/{place}");
         match nodes.get(root.0) {
-            None => faults.error(
-                at(),
-                format!("node {} does not exist; the file has {count}", root.0),
-            ),
+            None => faults.error(at(), format!("node {} does not exist; the file has {count}", root.0)),
             Some(node) => {
                 if let Some(parent) = node.parent {
                     let message = format!(

@@ -6,19 +6,10 @@ use super::{
 use crate::import::{Fault, Skin, fault_list::FaultList};
 use std::collections::BTreeSet;
 
-const IDENTITY: [[f32; 3]; 4] = [
-    [1.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0],
-    [0.0, 0.0, 1.0],
-    [0.0, 0.0, 0.0],
-];
+const IDENTITY: [[f32; 3]; 4] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]];
 
 /// Reads all skins.
-pub(super) fn read(
-    document: &Document,
-    accessors: &Accessors,
-    faults: &mut FaultList,
-) -> Vec<Skin> {
+pub(super) fn read(document: &Document, accessors: &Accessors, faults: &mut FaultList) -> Vec<Skin> {
     let skins = document.skins.iter().enumerate();
     skins
         .map(|(number, row)| {
@@ -58,23 +49,16 @@ pub(super) fn joint_counts(document: &Document) -> Vec<Option<usize>> {
 
 fn check_references(document: &Document, row: &schema::Skin, path: &str, faults: &mut FaultList) {
     let count = document.nodes.len();
-    let missing =
-        |node: schema::Whole| format!("node {} does not exist; the file has {count}", node.0);
+    let missing = |node: schema::Whole| format!("node {} does not exist; the file has {count}", node.0);
     if row.joints.is_empty() {
-        faults.error(
-            format!("{path}/joints"),
-            "is empty; expected at least one joint",
-        );
+        faults.error(format!("{path}/joints"), "is empty; expected at least one joint");
     }
     let mut seen = BTreeSet::new();
     for (place, joint) in row.joints.iter().enumerate() {
         if joint.0 >= count {
             faults.error(format!("{path}/joints/{place}"), missing(*joint));
         } else if !seen.insert(joint.0) {
-            let message = format!(
-                "node {} is listed before; it is kept as a joint of its own",
-                joint.0
-            );
+            let message = format!("node {} is listed before; it is kept as a joint of its own", joint.0);
             faults.warn(format!("{path}/joints/{place}"), message);
         }
     }
@@ -109,7 +93,10 @@ fn inverse_bind(
         out.push(columns.map(|column| column.map(|entry| entry as f32)));
     }
     if let Some(joint) = inexact {
-        faults.warn(at, format!("the bottom row of the matrix of joint {joint} is not exactly 0, 0, 0, 1; it is taken to be"));
+        faults.warn(
+            at,
+            format!("the bottom row of the matrix of joint {joint} is not exactly 0, 0, 0, 1; it is taken to be"),
+        );
     }
     Ok(out)
 }

@@ -45,13 +45,7 @@ impl Topology {
             Self::Fan => match vertices.split_first() {
                 Some((first, rest)) => rest
                     .windows(2)
-                    .filter_map(|two| {
-                        if let [a, b] = *two {
-                            Some([a, b, *first])
-                        } else {
-                            None
-                        }
-                    })
+                    .filter_map(|two| if let [a, b] = *two { Some([a, b, *first]) } else { None })
                     .collect(),
                 None => Vec::new(),
             },

@@ -20,15 +20,10 @@ pub(super) fn affine(matrix: &[f64; 16]) -> Result<([[f64; 3]; 4], bool), String
         .map(|(want, found)| (found - want).abs());
     let deviation = deviation.fold(0.0, f64::max);
     if deviation > BOTTOM_ROW_TOLERANCE {
-        return Err(format!(
-            "the matrix has the bottom row {bottom:?}; expected 0, 0, 0, 1"
-        ));
+        return Err(format!("the matrix has the bottom row {bottom:?}; expected 0, 0, 0, 1"));
     }
     let column = |k: usize| [matrix[4 * k], matrix[4 * k + 1], matrix[4 * k + 2]];
-    Ok((
-        [column(0), column(1), column(2), column(3)],
-        deviation == 0.0,
-    ))
+    Ok(([column(0), column(1), column(2), column(3)], deviation == 0.0))
 }
 
 /// Rotation (quaternion x y z w) and scale of an affine map, whose product they are in this order.
@@ -46,8 +41,7 @@ pub(super) fn rotation_and_scale(columns: &[[f64; 3]; 4]) -> Result<([f64; 4], [
     if dot(cross(a, b), c) < 0.0 {
         scale[0] = -scale[0];
     }
-    let [x, y, z]: [[f64; 3]; 3] =
-        std::array::from_fn(|k| columns[k].map(|entry| entry / scale[k]));
+    let [x, y, z]: [[f64; 3]; 3] = std::array::from_fn(|k| columns[k].map(|entry| entry / scale[k]));
     let shear = dot(x, y).abs().max(dot(y, z).abs()).max(dot(z, x).abs());
     if shear > SHEAR_TOLERANCE {
         return Err("the matrix is sheared".into());
@@ -72,25 +66,11 @@ fn quaternion([x, y, z]: [[f64; 3]; 3]) -> [f64; 4] {
         1.0 - x[0] - y[1] + z[2],
         1.0 + x[0] + y[1] + z[2],
     ];
-    let largest = (0..4).fold(3, |best, k| {
-        if candidates[k] > candidates[best] {
-            k
-        } else {
-            best
-        }
-    });
+    let largest = (0..4).fold(3, |best, k| if candidates[k] > candidates[best] { k } else { best });
     let twice = candidates[largest].sqrt();
     let over = 0.5 / twice;
-    let (xy, yz, zx) = (
-        (x[1] + y[0]) * over,
-        (y[2] + z[1]) * over,
-        (z[0] + x[2]) * over,
-    );
-    let (wx, wy, wz) = (
-        (y[2] - z[1]) * over,
-        (z[0] - x[2]) * over,
-        (x[1] - y[0]) * over,
-    );
+    let (xy, yz, zx) = ((x[1] + y[0]) * over, (y[2] + z[1]) * over, (z[0] + x[2]) * over);
+    let (wx, wy, wz) = ((y[2] - z[1]) * over, (z[0] - x[2]) * over, (x[1] - y[0]) * over);
     let half = 0.5 * twice;
     match largest {
         0 => [half, xy, zx, wx],
@@ -163,10 +143,7 @@ mod tests {
                 let again = columns(rotation, scale);
                 for (a, b) in matrix.iter().flatten().zip(again.iter().flatten()) {
                     // Some forty f64 operations on numbers up to 30.
-                    assert!(
-                        (a - b).abs() < 1e-13 * 30.0,
-                        "{q:?} {s:?}: {matrix:?} {again:?}"
-                    );
+                    assert!((a - b).abs() < 1e-13 * 30.0, "{q:?} {s:?}: {matrix:?} {again:?}");
                 }
             }
         }

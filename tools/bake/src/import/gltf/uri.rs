@@ -32,17 +32,14 @@ pub(super) fn parse(text: &str) -> Result<Uri<'_>, String> {
             .is_some_and(|last| last.trim().eq_ignore_ascii_case("base64"));
         return Ok(Uri::Data { base64, payload });
     }
-    let path = String::from_utf8(percent_decoded(text))
-        .map_err(|_| "the URI does not decode to UTF-8".to_owned())?;
+    let path = String::from_utf8(percent_decoded(text)).map_err(|_| "the URI does not decode to UTF-8".to_owned())?;
     if path.is_empty() {
         return Err("the URI is empty".into());
     }
     if path.contains('\0') {
         return Err("the URI contains a zero byte".into());
     }
-    let has_drive = path
-        .split_once(':')
-        .is_some_and(|(drive, _)| drive.len() == 1);
+    let has_drive = path.split_once(':').is_some_and(|(drive, _)| drive.len() == 1);
     if path.starts_with(['/', '\\']) || has_drive {
         return Err(format!(
             "the URI is absolute ({path:?}); only paths relative to the file are read"
@@ -59,9 +56,7 @@ pub(super) fn percent_decoded(text: &str) -> Vec<u8> {
     let mut rest = bytes;
     while let Some((&first, tail)) = rest.split_first() {
         match (first, tail) {
-            (b'%', [high, low, behind @ ..])
-                if high.is_ascii_hexdigit() && low.is_ascii_hexdigit() =>
-            {
+            (b'%', [high, low, behind @ ..]) if high.is_ascii_hexdigit() && low.is_ascii_hexdigit() => {
                 out.push(nibble(*high) << 4 | nibble(*low));
                 rest = behind;
             }
@@ -95,14 +90,8 @@ mod tests {
 
     #[test]
     fn relative_paths_are_percent_decoded() {
-        assert_eq!(
-            parse("a%20b/c%C3%A4.bin"),
-            Ok(Uri::Relative("a b/cä.bin".into()))
-        );
-        assert_eq!(
-            parse("../100%.bin"),
-            Ok(Uri::Relative("../100%.bin".into()))
-        );
+        assert_eq!(parse("a%20b/c%C3%A4.bin"), Ok(Uri::Relative("a b/cä.bin".into())));
+        assert_eq!(parse("../100%.bin"), Ok(Uri::Relative("../100%.bin".into())));
     }
 
     #[test]
