@@ -31,10 +31,12 @@ impl Affine {
     }
 
     /// The image of `point`, rounded in this order: `((c₀x + c₁y) + c₂z) + c₃`.
+    #[inline]
     #[must_use]
     pub fn transform_point(&self, point: [f32; 3]) -> [f32; 3] {
         let [c0, c1, c2, c3] = self.columns;
-        std::array::from_fn(|k| ((c0[k] * point[0] + c1[k] * point[1]) + c2[k] * point[2]) + c3[k])
+        let row = |k: usize| ((c0[k] * point[0] + c1[k] * point[1]) + c2[k] * point[2]) + c3[k];
+        [row(0), row(1), row(2)]
     }
 }
 

@@ -7,6 +7,7 @@ mod bare_reader;
 mod damage;
 mod golden;
 mod header_fields;
+mod messages;
 mod random_bytes;
 mod round_trip;
 mod row_rules;

@@ -1,0 +1,66 @@
+//! What an error says: what, where, expected, found, and what to do.
+
+use crate::fixture::{Forge, model, read_copy};
+
+fn message(bytes: &[u8]) -> String {
+    read_copy(bytes).expect_err("the bytes are wrong").to_string()
+}
+
+#[test]
+fn another_kind_of_file() {
+    assert_eq!(
+        message(b"glTF\x02\0\0\0\x18\0\0\0"),
+        r#"not a .rpose file: it begins with "glTF\x02\x00\x00\x00\x18\x00", expected "\x8bRPOSE\r\n\x1a\n"; check the path, or bake the source first"#
+    );
+}
+
+#[test]
+fn a_file_cut_short() {
+    let bytes = Forge::of(&model()).bytes();
+    let expected = bytes.len();
+    assert_eq!(
+        message(&bytes[..1000]),
+        format!("the file is cut short: expected {expected} bytes, found 1000; copy the file again or re-bake it")
+    );
+}
+
+#[test]
+fn another_version() {
+    assert_eq!(
+        message(&Forge::of(&model()).bytes_with(|header, _| header.major = 2)),
+        "format version 2.0 cannot be read; this library reads 1.0; re-bake the source with a matching version of \
+         restpose"
+    );
+}
+
+#[test]
+fn a_damaged_section() {
+    let message = message(&Forge::of(&model()).bytes_with(|_, table| table[5].crc32 = 1));
+    assert!(
+        message.starts_with("section TRIS is damaged: expected checksum 00000001, found "),
+        "{message}"
+    );
+    assert!(message.ends_with("; copy the file again or re-bake it"), "{message}");
+}
+
+#[test]
+fn a_broken_rule() {
+    let mut model = model();
+    model.triangles[3].corners[1] = 9;
+    assert_eq!(
+        message(&Forge::of(&model).bytes()),
+        "section TRIS, row 3: `corners` is 9, expected 4 or more and less than 9; the program that wrote it is at \
+         fault: re-bake the source"
+    );
+}
+
+#[test]
+fn a_damaged_metadata_section() {
+    let mut file = Forge::of(&model());
+    file.sections[0].1[0] = 7;
+    assert_eq!(
+        message(&file.bytes()),
+        "section META: its codec is 7; this library knows codec 1; re-bake the source with a matching version of \
+         restpose"
+    );
+}
