@@ -71,62 +71,149 @@ struct Sweep {
     sides: (f32, f32),
 }
 
+/// Where a sweep stands: of the node's boxes, `left` begin and all but `right` end before event `next`.
+#[derive(Clone, Copy)]
+struct Place {
+    next: usize,
+    left: u32,
+    right: u32,
+}
+
 impl Sweep {
     /// The cheapest split along the axis that costs less than `limit`.
+    ///
+    /// On the border of the cell stand planar boxes only, so those are taken off at both ends first.
     fn run(&self, events: &[Event], begun: u32, count: u32, mut limit: f64) -> Option<Split> {
         let (min, max) = self.sides;
-        let (min_wide, max_wide) = (f64::from(min), f64::from(max));
-        let mut best = None;
-        // Boxes that begin before the plane, boxes that end behind it; planar ones are in neither.
+        let on_min = events.iter().take_while(|event| event.position() <= min).count();
+        let on_max = events.iter().rev().take_while(|event| event.position() >= max).count();
         let open = count - begun;
-        let (mut left, mut right) = (open, count);
-        let mut next = 0;
-        while let Some(first) = events.get(next) {
-            let group = next;
-            let (mut begins, mut ends) = (first.begins(), first.ends());
-            let mut planar = begins & ends;
-            next += 1;
-            while let Some(event) = events.get(next).filter(|event| event.key() == first.key()) {
-                begins += event.begins();
-                ends += event.ends();
-                planar += event.begins() & event.ends();
-                next += 1;
+        let mut best = None;
+        if on_min > 0 {
+            let flat = on_min as u32;
+            let cost = self.cost_at(min, flat, count - flat);
+            if cost < limit {
+                limit = cost;
+                let split = self.split(cost, min, true, [flat, count - flat]);
+                best = Some(Split {
+                    group: 0..on_min,
+                    begun: [0, flat],
+                    ..split
+                });
             }
-            right -= ends;
-            let position = first.position();
-            let inside = min < position && position < max;
-            if inside || planar > 0 {
-                let wide = f64::from(position);
-                let (lower, upper) = (wide - min_wide, max_wide - wide);
-                // On the border only the boxes that lie in it can be split off; all others, clipped to the cell, lie on
-                // its inner side, also those that go on beyond.
-                let below = if position > min { left } else { 0 };
-                let above = if position < max { right } else { 0 };
-                let mut consider = |planar_left: bool, left_count: u32, right_count: u32| {
-                    let cost = self.cost.at(lower, upper, left_count, right_count);
-                    if cost < limit {
-                        limit = cost;
-                        best = Some(Split {
-                            cost,
-                            axis: self.axis,
-                            position,
-                            planar_left,
-                            left: left_count,
-                            right: right_count,
-                            group: group..next,
-                            begun: [left - open, left - open + begins],
-                        });
-                    }
-                };
-                if position < max {
-                    consider(true, below + planar, above);
-                }
-                if position > min && planar > 0 {
-                    consider(false, below, above + planar);
-                }
+        }
+        let start = Place {
+            next: on_min,
+            left: open + on_min as u32,
+            right: count - on_min as u32,
+        };
+        if let Some(place) = self.cheapest_place(&events[..events.len() - on_max], start, limit) {
+            let split = self.split_at(events, place, open);
+            limit = split.cost;
+            best = Some(split);
+        }
+        if on_max > 0 {
+            let flat = on_max as u32;
+            let cost = self.cost_at(max, count - flat, flat);
+            if cost < limit {
+                let split = self.split(cost, max, false, [count - flat, flat]);
+                let group = events.len() - on_max..events.len();
+                best = Some(Split {
+                    group,
+                    begun: [begun - flat, begun],
+                    ..split
+                });
             }
-            left += begins;
         }
         best
+    }
+
+    /// The first cheapest place inside the cell that costs less than `limit`.
+    ///
+    /// Each event is a candidate of its own, although only all events at a position together give the true counts. At a
+    /// position, ends come first, then planar boxes, then beginnings: in between some boxes are counted on a side that
+    /// they do not touch, or the planar ones are parted. With costs that are not negative and a bonus that is one, that
+    /// never costs less than the better side for all; with others, the choice means nothing but stays a valid split.
+    fn cheapest_place(&self, events: &[Event], start: Place, mut limit: f64) -> Option<Place> {
+        let mut best = None;
+        let Place {
+            mut left, mut right, ..
+        } = start;
+        for (next, event) in events.iter().enumerate().skip(start.next) {
+            let position = event.position();
+            let planar = u32::from(event.is_planar());
+            let mut cost = self.cost_at(position, left + planar, right - event.ends());
+            if planar > 0 {
+                cost = cost.min(self.cost_at(position, left, right));
+            }
+            if cost < limit {
+                limit = cost;
+                best = Some(Place { next, left, right });
+            }
+            left += event.begins();
+            right -= event.ends();
+        }
+        best
+    }
+
+    /// The better split at the position of the event at `place`, with true counts.
+    fn split_at(&self, events: &[Event], place: Place, open: u32) -> Split {
+        let Place {
+            next,
+            mut left,
+            mut right,
+        } = place;
+        let key = events[next].key();
+        let before = events[..next].iter().rev().take_while(|event| event.key() == key);
+        let mut begin = next;
+        for event in before {
+            left -= event.begins();
+            right += event.ends();
+            begin -= 1;
+        }
+        let (mut end, mut begins, mut planar) = (begin, 0, 0);
+        for event in events[begin..].iter().take_while(|event| event.key() == key) {
+            begins += event.begins();
+            right -= event.ends();
+            planar += u32::from(event.is_planar());
+            end += 1;
+        }
+        let position = events[next].position();
+        let cost_left = self.cost_at(position, left + planar, right);
+        let cost_right = self.cost_at(position, left, right + planar);
+        let split = if cost_right < cost_left {
+            self.split(cost_right, position, false, [left, right + planar])
+        } else {
+            self.split(cost_left, position, true, [left + planar, right])
+        };
+        Split {
+            group: begin..end,
+            begun: [left - open, left - open + begins],
+            ..split
+        }
+    }
+
+    fn split(&self, cost: f64, position: f32, planar_left: bool, [left, right]: [u32; 2]) -> Split {
+        Split {
+            cost,
+            axis: self.axis,
+            position,
+            planar_left,
+            left,
+            right,
+            group: 0..0,
+            begun: [0; 2],
+        }
+    }
+
+    #[inline]
+    fn cost_at(&self, position: f32, left: u32, right: u32) -> f64 {
+        let position = f64::from(position);
+        self.cost.at(
+            position - f64::from(self.sides.0),
+            f64::from(self.sides.1) - position,
+            left,
+            right,
+        )
     }
 }

@@ -16,7 +16,7 @@
 //! on top of each.
 
 use super::finite_box::finite_box;
-use super::kd_event::{Event, push_events, sort_events};
+use super::kd_event::{Event, sort_events};
 use super::kd_split::{EventRange, Split, cheapest_split};
 use super::kd_tree::KdTree;
 use super::sah::KdSettings;
@@ -29,7 +29,7 @@ use std::ops::Range;
 /// Each node may spend its own share: where the boxes along a path from the root would be doubled beyond this factor,
 /// the path ends in a leaf. Boxes that overlap each other like stairs would otherwise be listed a quadratic number of
 /// times.
-pub const MAX_REFERENCE_GROWTH: u32 = 16;
+pub const MAX_REFERENCE_GROWTH: u32 = 32;
 
 /// Builds kd-trees over boxes by the exact surface area heuristic; owns all scratch memory.
 ///
@@ -136,20 +136,16 @@ impl KdBuilder {
             }
             for k in 0..3 {
                 self.intervals[k].push(bounds.map_or([0.0; 2], |b| [b.min[k], b.max[k]]));
-                if let Some(bounds) = bounds {
-                    push_events(&mut self.lists[k], &bounds, k, id as u32);
-                }
             }
         }
-        if self.sides.len() < boxes.len() {
-            self.sides.resize(boxes.len(), Side::default());
-        }
+        grow(&mut self.sides, boxes.len());
         let events = std::array::from_fn(|k| {
+            let begun = self.push_events(k, [cell.min[k], cell.max[k]]);
             sort_events(&mut self.lists[k], &mut self.spare_events);
             EventRange {
                 begin: 0,
                 end: self.lists[k].len(),
-                begun: self.ids.len() as u32,
+                begun,
             }
         });
         let ids = 0..self.ids.len();
@@ -163,6 +159,18 @@ impl KdBuilder {
             budget,
         });
         cell
+    }
+
+    /// Appends the events of all boxes along `axis`; the number of those that begin a box.
+    fn push_events(&mut self, axis: usize, cell: [f32; 2]) -> u32 {
+        let mut begun = 0;
+        for &id in &self.ids {
+            for event in Event::of(id, self.intervals[axis][id as usize], cell) {
+                begun += event.begins();
+                self.lists[axis].push(event);
+            }
+        }
+        begun
     }
 
     /// The split of `node`; `None` when it becomes a leaf.

@@ -183,8 +183,9 @@ impl KdTree {
                 }
                 KdNode::Leaf { first, count } => {
                     self.check_leaf(node, first, count, &cell, boxes)?;
-                    for reference in first as usize..first as usize + count as usize {
-                        if std::mem::replace(&mut listed[reference], true) {
+                    let range = listed.iter_mut().enumerate().skip(first as usize).take(count as usize);
+                    for (reference, listed) in range {
+                        if std::mem::replace(listed, true) {
                             return Err(KdFault::ReferencesNotPartitioned { reference, times: 2 });
                         }
                     }
@@ -243,9 +244,11 @@ impl KdTree {
     fn unlisted(&self, node: usize, region: Region, id: usize) -> Option<usize> {
         match self.nodes[node].unpack() {
             KdNode::Leaf { first, count } => {
-                let listed = self
-                    .leaf(first, count)
-                    .is_some_and(|list| list.binary_search(&(id as u32)).is_ok());
+                let listed = |id: u32| {
+                    self.leaf(first, count)
+                        .is_some_and(|list| list.binary_search(&id).is_ok())
+                };
+                let listed = u32::try_from(id).is_ok_and(listed);
                 (!listed).then_some(node)
             }
             KdNode::Inner { axis, split, left } => {

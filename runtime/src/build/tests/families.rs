@@ -1,8 +1,11 @@
 use super::random::Random;
 use restpose_formats::geom::Aabb;
 
-/// Kinds of box sets; each yields any number of boxes, the same ones for the same seed.
-pub(super) const FAMILIES: [(&str, fn(usize, u64) -> Vec<Aabb>); 18] = [
+/// Makes any number of boxes from a seed.
+type Family = fn(usize, u64) -> Vec<Aabb>;
+
+/// Kinds of box sets; each yields the same boxes for the same seed.
+pub(super) const FAMILIES: [(&str, Family); 18] = [
     ("small", |n, seed| scattered(n, seed, 100.0, 4.0)),
     ("overlapping", |n, seed| scattered(n, seed, 10.0, 10.0)),
     ("grid", grid),

@@ -38,9 +38,12 @@ fn sound() -> (Vec<Aabb>, KdTree) {
     (boxes, tree)
 }
 
+/// Breaks a tree or its boxes in one place.
+type Spoil = fn(&mut Vec<Aabb>, &mut KdTree);
+
 #[test]
 fn each_fault_is_named() {
-    let cases: [(KdFault, fn(&mut Vec<Aabb>, &mut KdTree)); 15] = [
+    let cases: [(KdFault, Spoil); 15] = [
         (KdFault::NoNodes, |_, tree| tree.nodes.clear()),
         (
             KdFault::ChildOutOfRange {

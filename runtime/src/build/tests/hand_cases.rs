@@ -149,6 +149,31 @@ fn boxes_in_the_plane_go_to_the_cheaper_side() {
 }
 
 #[test]
+fn boxes_in_the_plane_go_left_where_both_sides_cost_the_same() {
+    // Mirrored at x = 2.
+    let slab = |min: f32| Aabb {
+        min: [min, 0.0, 0.0],
+        max: [min + 2.0, 10.0, 10.0],
+    };
+    let mut boxes = vec![slab(0.0); 5];
+    boxes.extend([slab(2.0); 5]);
+    boxes.push(Aabb {
+        min: [2.0, 0.0, 0.0],
+        max: [2.0, 10.0, 10.0],
+    });
+    let tree = built(&boxes, &KdSettings::default());
+    assert_eq!(
+        nodes(&tree)[0],
+        KdNode::Inner {
+            axis: 0,
+            split: 2.0,
+            left: 1
+        }
+    );
+    assert_eq!(nodes(&tree)[2], KdNode::Leaf { first: 0, count: 5 });
+}
+
+#[test]
 fn a_wall_on_the_border_gets_a_flat_cell() {
     let mut boxes = vec![
         Aabb {
