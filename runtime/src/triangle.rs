@@ -69,7 +69,7 @@ impl PreparedRay {
     #[inline]
     #[must_use]
     pub fn intersect(&self, corners: &[[f32; 3]; 3]) -> Option<TriangleHit> {
-        let [a, b, c] = corners.map(|corner| self.shear(corner));
+        let [a, b, c] = [self.shear(corners[0]), self.shear(corners[1]), self.shear(corners[2])];
 
         let u = c[0] * b[1] - c[1] * b[0];
         let v = a[0] * c[1] - a[1] * c[0];
@@ -105,8 +105,9 @@ impl PreparedRay {
     /// The corner relative to the origin, sheared so that the ray runs along the third axis.
     #[inline]
     fn shear(&self, corner: [f32; 3]) -> [f32; 3] {
-        let [x, y, z] = self.axes.map(|k| corner[k] - self.origin[k]);
-        [x - self.shear[0] * z, y - self.shear[1] * z, z]
+        let along = |axis: usize| corner[axis] - self.origin[axis];
+        let z = along(self.axes[2]);
+        [along(self.axes[0]) - self.shear[0] * z, along(self.axes[1]) - self.shear[1] * z, z]
     }
 }
 

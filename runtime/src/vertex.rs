@@ -14,22 +14,28 @@ use restpose_formats::{ModelView, geom::Affine};
 pub(crate) fn pose_vertex(model: &ModelView, palette: &[Affine], morph_weights: &[f32], vertex: u32) -> [f32; 3] {
     let index = vertex as usize;
     let row = model.vertices[index];
+    let end = model.vertices[index + 1].influence_first;
     let mut p = row.position_rest;
     if !model.morph_first.is_empty() {
         for delta in &model.morph_deltas[model.morph_first[index] as usize..model.morph_first[index + 1] as usize] {
             let weight = morph_weights[delta.target as usize];
-            p = std::array::from_fn(|k| p[k] + weight * delta.delta[k]);
+            for k in 0..3 {
+                p[k] += weight * delta.delta[k];
+            }
         }
     }
-    let influences =
-        &model.influences[row.influence_first as usize..model.vertices[index + 1].influence_first as usize];
+    let influences = &model.influences[row.influence_first as usize..end as usize];
     if let [only] = influences {
         return palette[only.bone as usize].transform_point(p);
     }
-    influences.iter().fold([0.0; 3], |sum, influence| {
+    let mut sum = [0.0; 3];
+    for influence in influences {
         let moved = palette[influence.bone as usize].transform_point(p);
-        std::array::from_fn(|k| sum[k] + influence.weight * moved[k])
-    })
+        for k in 0..3 {
+            sum[k] += influence.weight * moved[k];
+        }
+    }
+    sum
 }
 
 /// Poses a triangle's corners. `triangle` is a triangle row.

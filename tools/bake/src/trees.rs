@@ -7,6 +7,12 @@ use restpose_formats::{
 };
 use restpose_runtime::build::{KdBuilder, KdSettings, KdTree};
 
+/// A triangle test poses three vertices first, so it costs more steps than the 1.5 of a tree over posed triangles.
+///
+/// Measured on a walking figure of 4,192 triangles, random rays: from 1.5 to 4, 16 % fewer tests for 7 % more steps and
+/// 45 % more bytes; from 4 to 10, another 6 % for 3 % and 17 %.
+const FUZZY_TREE: KdSettings = KdSettings { traversal_cost: 1.0, intersection_cost: 4.0, empty_bonus: 0.8 };
+
 /// Builds one cluster with its fuzzy kd-tree for every bone that carries triangles, bones ascending.
 pub(crate) fn add_clusters(
     model: &mut Model,
@@ -20,7 +26,7 @@ pub(crate) fn add_clusters(
         .map(|group| {
             let boxes: Vec<Aabb> = group.iter().map(|carried| carried.fuzzy_box).collect();
             let mut tree = KdTree::default();
-            KdBuilder::new().build(&boxes, &KdSettings::default(), &mut tree);
+            KdBuilder::new().build(&boxes, &FUZZY_TREE, &mut tree);
             debug_assert_eq!(tree.validate(&boxes), Ok(()));
             progress.advance(group.len() as u64);
             tree
