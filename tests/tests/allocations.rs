@@ -1,0 +1,87 @@
+//! Frames after the first, and rays, allocate nothing.
+#![expect(unsafe_code, reason = "a global allocator that counts is an unsafe trait")]
+
+use restpose_runtime::{Affine, Ray, Scene};
+use restpose_tests::{baked_asset, sample_scenes};
+use std::{
+    alloc::{GlobalAlloc, Layout, System},
+    cell::Cell,
+};
+
+struct Counting;
+
+thread_local! {
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+// SAFETY: every call is passed on to the system allocator unchanged; counting touches no memory that it manages.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise about `layout` is passed on.
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: `pointer` came from `System` with this layout, as the caller promises of `Counting`.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        // SAFETY: as for `dealloc`, and `size` is the caller's promise.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn frames_and_rays_allocate_nothing_once_warm() {
+    for path in sample_scenes() {
+        let (_, asset) = baked_asset(&path);
+        let model = asset.model();
+        let mut scene = Scene::new();
+        let instances = [scene.add(&asset), scene.add(&asset)];
+        let samples: Vec<_> = model
+            .samples
+            .iter()
+            .filter(|sample| (sample.clip as usize) < model.clips.len())
+            .collect();
+        let target = scene.commit().bounds().center();
+        let target = [target[0] + 1.0, target[1], target[2]];
+        // The first lap may grow buffers: a top level of overlapping clusters has more references than a loose one.
+        for lap in 0..2 {
+            let before = ALLOCATIONS.with(Cell::get);
+            let mut hits = 0;
+            for (step, sample) in samples.iter().enumerate() {
+                for (instance, side) in instances.into_iter().zip([-1.0, 1.0]) {
+                    scene
+                        .set_transform(instance, Affine::from_translation([side, 0.0, 0.0]))
+                        .unwrap();
+                    scene.play(instance, sample.clip as usize, sample.seconds).unwrap();
+                }
+                let frame = scene.commit();
+                for ray in 0..20 {
+                    let x = ray as f32 * 0.1 - 1.0 + step as f32 * 1e-3;
+                    let ray = Ray::between([target[0] + x, 10.0, 10.0], target);
+                    hits += u32::from(
+                        frame
+                            .closest_hit(&Ray {
+                                t_max: f32::INFINITY,
+                                ..ray
+                            })
+                            .is_some(),
+                    );
+                    hits += u32::from(frame.any_hit(&ray));
+                }
+            }
+            let allocated = ALLOCATIONS.with(Cell::get) - before;
+            assert!(hits > 0, "{}", path.display());
+            assert!(
+                lap == 0 || allocated == 0,
+                "{}: {allocated} allocations",
+                path.display()
+            );
+        }
+    }
+}
