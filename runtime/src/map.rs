@@ -5,32 +5,25 @@
 )]
 
 use memmap2::Mmap;
-use restpose_formats::{FormatError, ModelView, read};
-use std::{fs::File, io, path::Path};
-
-/// 64 bytes on a 64-byte boundary: sections start on such boundaries, relative to the file and so in memory.
-#[repr(C, align(64))]
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-struct Block([u8; 64]);
+use restpose_formats::{AlignedBytes, FormatError, MAGIC, ModelView, read};
+use std::{
+    fs::File,
+    io::{self, Read},
+    path::Path,
+};
 
 /// Bytes that stay where they are and do not change while this lives.
 enum Storage {
     Mapped(Mmap),
-    Owned { blocks: Box<[Block]>, len: usize },
+    Owned(AlignedBytes),
 }
 
 impl Storage {
     fn bytes(&self) -> &[u8] {
         match self {
             Self::Mapped(map) => map,
-            Self::Owned { blocks, len } => &bytemuck::cast_slice(blocks)[..*len],
+            Self::Owned(bytes) => bytes.as_slice(),
         }
-    }
-
-    fn owned(len: usize, fill: impl FnOnce(&mut [u8]) -> io::Result<()>) -> io::Result<Self> {
-        let mut blocks = vec![Block([0; 64]); len.div_ceil(64)].into_boxed_slice();
-        fill(&mut bytemuck::cast_slice_mut(&mut blocks)[..len])?;
-        Ok(Self::Owned { blocks, len })
     }
 }
 
@@ -61,23 +54,24 @@ impl StoredModel {
 
     /// Copies `bytes` to aligned memory.
     pub(crate) fn copy(bytes: &[u8]) -> Result<Self, FormatError> {
-        let storage = Storage::owned(bytes.len(), |to| {
-            to.copy_from_slice(bytes);
-            Ok(())
-        });
-        match storage {
-            Ok(storage) => Self::new(storage),
-            Err(never) => unreachable!("copying memory does not fail: {never}"),
-        }
+        Self::new(Storage::Owned(AlignedBytes::copy_of(bytes)))
     }
 
     /// Reads a file into aligned memory.
     pub(crate) fn open(path: &Path) -> io::Result<Result<Self, FormatError>> {
         let mut file = File::open(path)?;
         let len = usize::try_from(file.metadata()?.len()).map_err(|_| io::ErrorKind::FileTooLarge)?;
-        Ok(Self::new(Storage::owned(len, |to| {
-            io::Read::read_exact(&mut file, to)
-        })?))
+        // A file of another kind may be of any size: it is told by its first bytes, before memory is asked for.
+        let mut magic = AlignedBytes::zeroed(len.min(MAGIC.len()));
+        file.read_exact(magic.as_mut_slice())?;
+        if magic.as_slice() != MAGIC {
+            return Ok(Self::new(Storage::Owned(magic)));
+        }
+        let mut bytes = AlignedBytes::zeroed(len);
+        let (begin, rest) = bytes.as_mut_slice().split_at_mut(MAGIC.len());
+        begin.copy_from_slice(&MAGIC);
+        file.read_exact(rest)?;
+        Ok(Self::new(Storage::Owned(bytes)))
     }
 
     /// Maps a file.

@@ -107,7 +107,11 @@ impl PreparedRay {
     fn shear(&self, corner: [f32; 3]) -> [f32; 3] {
         let along = |axis: usize| corner[axis] - self.origin[axis];
         let z = along(self.axes[2]);
-        [along(self.axes[0]) - self.shear[0] * z, along(self.axes[1]) - self.shear[1] * z, z]
+        [
+            along(self.axes[0]) - self.shear[0] * z,
+            along(self.axes[1]) - self.shear[1] * z,
+            z,
+        ]
     }
 }
 
