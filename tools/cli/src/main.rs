@@ -62,6 +62,7 @@ fn run(cli: &Cli) -> Result<Answer, Failure> {
         Command::Verify(args) => commands::verify::run(args, &context),
         Command::Render(args) => commands::render::run(args, &context),
         Command::Demo(args) => commands::demo::run(args, &context),
+        Command::Measure(args) => commands::measure::run(args, &context),
     }
 }
 

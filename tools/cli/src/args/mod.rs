@@ -3,6 +3,7 @@
 mod bake;
 mod demo;
 mod file;
+mod measure;
 mod render;
 mod values;
 mod verify;
@@ -10,6 +11,7 @@ mod verify;
 pub use bake::{BakeArgs, BoundsKind};
 pub use demo::DemoArgs;
 pub use file::{InfoArgs, ValidateArgs};
+pub use measure::{FrameArgs, MeasureArgs, MeasureTable};
 pub use render::{RenderArgs, SamplesPerPixel, View};
 pub use values::{Size, Vector};
 pub use verify::VerifyArgs;
@@ -49,6 +51,9 @@ pub enum Command {
     /// Bake, render and verify the bundled samples
     #[command(after_help = ExitCode::table())]
     Demo(DemoArgs),
+    /// Measure what a frame costs
+    #[command(after_help = ExitCode::table())]
+    Measure(MeasureArgs),
 }
 
 impl Command {
@@ -61,6 +66,7 @@ impl Command {
             Self::Verify(_) => "verify",
             Self::Render(_) => "render",
             Self::Demo(_) => "demo",
+            Self::Measure(_) => "measure",
         }
     }
 }

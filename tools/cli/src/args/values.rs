@@ -8,8 +8,8 @@ use std::{num::NonZeroUsize, str::FromStr};
 pub struct Vector(pub [f64; 3]);
 
 impl Vector {
-    /// Direction towards the light in pictures: from the left, above, in front.
-    pub const DEFAULT_LIGHT: Self = Self([-0.45, 1.0, 0.55]);
+    /// Direction towards the light in pictures: from the right, above, in front.
+    pub const DEFAULT_LIGHT: Self = Self([0.85, 1.1, 0.55]);
 }
 
 impl std::fmt::Display for Vector {

@@ -3,6 +3,7 @@
 pub mod bake;
 pub mod demo;
 pub mod info;
+pub mod measure;
 pub mod render;
 pub mod validate;
 pub mod verify;

@@ -43,26 +43,30 @@ pub struct Lens {
 impl Camera {
     /// A camera at `origin` that looks at `target` with y up; where both are the same point it looks along -z.
     pub fn looking_at(origin: DVec3, target: DVec3, lens: Lens) -> Self {
-        let forward = (target - origin).try_normalize().unwrap_or(DVec3::NEG_Z);
-        // Straight up or down there is no upright picture: -z is then towards the upper edge.
+        Self::facing(origin, (target - origin).try_normalize().unwrap_or(DVec3::NEG_Z), lens)
+    }
+
+    /// A camera at `origin` that looks along the unit vector `forward` with y up.
+    fn facing(origin: DVec3, forward: DVec3, lens: Lens) -> Self {
+        // Straight up or down there is no upright picture: x is then to the right.
         let right = forward.cross(DVec3::Y).try_normalize().unwrap_or(DVec3::X);
-        let up = right.cross(forward);
         let half_height = libm::tan(lens.fov_deg.to_radians() / 2.0);
+        let (width, height) = (lens.width.into(), lens.height.into());
         Self {
             origin,
             forward,
             right,
-            up,
+            up: right.cross(forward),
             half_height,
-            width: lens.width.into(),
-            height: lens.height.into(),
+            width,
+            height,
         }
     }
 
-    /// A camera that sees the whole of `bounds` from the direction given by two angles, and looks at `target` if
-    /// given, else at the middle.
+    /// A camera that sees the whole of `bounds` from the direction given by two angles, as near as it can.
     ///
-    /// Yaw 0 looks along -z; yaw turns the camera's place about the y axis towards +x; pitch lifts it.
+    /// Yaw 0 looks along -z; yaw turns the camera's place about the y axis towards +x; pitch lifts it. With a `target`
+    /// the camera looks at that point, else wherever the box comes to lie in the middle of the picture.
     pub fn framing(bounds: &Aabb, yaw_deg: f64, pitch_deg: f64, target: Option<DVec3>, lens: Lens) -> Self {
         let (yaw, pitch) = (yaw_deg.to_radians(), pitch_deg.to_radians());
         let backward = DVec3::new(
@@ -71,22 +75,31 @@ impl Camera {
             libm::cos(yaw) * libm::cos(pitch),
         );
         let corners = corners(bounds);
-        let target = target.unwrap_or((corners[0] + corners[7]) / 2.0);
-        let mut camera = Self::looking_at(target + backward, target, lens);
-        let (tan_y, tan_x) = (
-            camera.half_height * (1.0 - BORDER),
-            camera.half_height * camera.aspect() * (1.0 - BORDER),
-        );
-        let distance = corners
-            .iter()
-            .map(|corner| {
-                let c = *corner - target;
-                let sideways = (c.dot(camera.right).abs() / tan_x).max(c.dot(camera.up).abs() / tan_y);
-                sideways - c.dot(camera.forward)
-            })
-            .fold(0.0, f64::max);
+        let middle = target.unwrap_or((corners[0] + corners[7]) / 2.0);
+        let mut camera = Self::facing(middle, -backward, lens);
+        let tan = [camera.half_height * camera.aspect(), camera.half_height].map(|tan| tan * (1.0 - BORDER));
+        let fit = |axis: DVec3, tan: f64| {
+            // A corner at `across` along the axis and `ahead` of the middle is seen by a camera that stands `away` from
+            // the middle and `aside` along the axis if |across − aside| ≤ tan · (away + ahead).
+            let seen = corners.map(|corner| ((corner - middle).dot(axis), (corner - middle).dot(camera.forward) * tan));
+            let least = seen
+                .iter()
+                .map(|(across, ahead)| across - ahead)
+                .fold(f64::NEG_INFINITY, f64::max);
+            let most = seen
+                .iter()
+                .map(|(across, ahead)| across + ahead)
+                .fold(f64::INFINITY, f64::min);
+            match target {
+                Some(_) => (0.0, least.max(-most) / tan),
+                None => ((least + most) / 2.0, (least - most) / 2.0 / tan),
+            }
+        };
+        let ((right, away_x), (up, away_y)) = (fit(camera.right, tan[0]), fit(camera.up, tan[1]));
+        let away = away_x.max(away_y);
         // A single point has no size to go by; any distance shows it.
-        camera.origin = target + backward * if distance > 0.0 { distance } else { 1.0 };
+        let away = if away > 0.0 { away } else { 1.0 };
+        camera.origin = middle + camera.right * right + camera.up * up + backward * away;
         camera
     }
 

@@ -11,6 +11,9 @@ const FLOOR_GAP: f32 = 1e-3;
 /// second number.
 const FLOOR_FADE: [f32; 2] = [1.5, 6.0];
 
+/// The sky has its full colour where the sine of the height above the horizon is one by this.
+const SKY_STEEPNESS: f32 = 1.6;
+
 /// Everything around the model: light, sky, floor.
 #[derive(Clone, Copy, Debug)]
 pub struct Surroundings {
@@ -58,8 +61,8 @@ impl Surroundings {
             horizon: decode([222, 230, 238]),
             zenith: decode([122, 164, 214]),
             floor: decode([196, 192, 186]),
-            sun: Colour::new(1.0, 0.95, 0.86) * 1.35,
-            ambient: [Colour::new(0.42, 0.50, 0.62), Colour::new(0.20, 0.18, 0.17)],
+            sun: Colour::new(1.0, 0.95, 0.86) * 1.3,
+            ambient: [Colour::new(0.34, 0.41, 0.52), Colour::new(0.17, 0.15, 0.14)],
         };
         Self {
             light: light.normalize_or(DVec3::Y).as_vec3(),
@@ -79,8 +82,9 @@ impl Surroundings {
 
     /// What a ray sees that meets nothing.
     pub fn sky(&self, direction: Vec3) -> Colour {
-        let up = direction.y.clamp(0.0, 1.0);
-        self.colours.horizon.lerp(self.colours.zenith, up.sqrt())
+        self.colours
+            .horizon
+            .lerp(self.colours.zenith, smooth(direction.y * SKY_STEEPNESS))
     }
 
     /// Light that a surface with this unit normal sends back; `sunlit` is false in a shadow.
@@ -106,8 +110,7 @@ impl Surroundings {
         let point = (origin + direction * t).with_y(floor.height);
         let away = ((point - floor.middle).with_y(0.0).length() / floor.radius - FLOOR_FADE[0])
             / (FLOOR_FADE[1] - FLOOR_FADE[0]);
-        let faded = away.clamp(0.0, 1.0);
-        let solid = 1.0 - faded * faded * (3.0 - 2.0 * faded);
+        let solid = 1.0 - smooth(away);
         (solid > 0.0).then_some(FloorPoint { point, solid })
     }
 
@@ -116,6 +119,12 @@ impl Surroundings {
         self.sky(direction)
             .lerp(self.reflected(self.colours.floor, Vec3::Y, sunlit), at.solid)
     }
+}
+
+/// From 0 to 1 without a kink, where `x` goes from 0 to 1; clamped.
+fn smooth(x: f32) -> f32 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
 }
 
 #[cfg(test)]
