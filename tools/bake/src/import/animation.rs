@@ -56,7 +56,8 @@ pub struct Primitive {
     pub positions: Vec<[f32; 3]>,
     /// Corners of each triangle; strips and fans unrolled as glTF 2.0 §3.7.2.1 orders them.
     pub triangles: Vec<[u32; 3]>,
-    /// Per vertex, the skin joints that move it with a weight above zero; empty when the primitive has no joints.
+    /// Per vertex, the skin joints that move it with a weight above zero, in rising order, each once; empty when the
+    /// primitive has no joints or no node puts its mesh under a skin.
     pub influences: Vec<Vec<Influence>>,
     /// Per morph target, the displacement of each vertex.
     pub morph_targets: Vec<Vec<[f32; 3]>>,

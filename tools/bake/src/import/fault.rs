@@ -44,7 +44,7 @@ fn named(extensions: &[String]) -> String {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImportError {
-    /// The file, or a buffer beside it, cannot be read.
+    /// The file cannot be read. A buffer beside it that cannot be read is a fault at `/buffers/N/uri`.
     #[error("{path}: cannot read: {source}", path = .path.display())]
     Read {
         /// File.

@@ -224,7 +224,6 @@ impl<'a> Accessors<'a> {
             ));
         }
         let width = component.byte_len();
-        let mut out = vec![[T::default(); N]; 0];
         let count = accessor.count.0;
         let size = N.saturating_mul(width);
         let base = match accessor.buffer_view {
@@ -235,7 +234,7 @@ impl<'a> Accessors<'a> {
             None => None,
         };
         self.charge(count, N.saturating_mul(4), &path)?;
-        out.resize(count, [T::default(); N]);
+        let mut out = vec![[T::default(); N]; count];
         let read = |bytes: &[u8], out: &mut [T; N]| {
             for (value, bytes) in out.iter_mut().zip(bytes.chunks_exact(width)) {
                 *value = decode(component, bytes);

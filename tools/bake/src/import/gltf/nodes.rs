@@ -76,7 +76,7 @@ fn local(number: usize, node: &schema::Node, animated: bool, faults: &mut FaultL
     check("rotation", &rotation);
     check("scale", &scale);
     if let Some(matrix) = &node.matrix {
-        check("matrix", matrix);
+        check("matrix", &matrix[..]);
         if node.translation.is_some() || node.rotation.is_some() || node.scale.is_some() {
             faults.warn(
                 at("matrix"),

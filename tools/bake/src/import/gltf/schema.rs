@@ -58,7 +58,8 @@ pub(super) struct Node {
     pub children: Vec<Whole>,
     pub mesh: Option<Whole>,
     pub skin: Option<Whole>,
-    pub matrix: Option<[f64; 16]>,
+    /// Boxed, as most nodes have none and a file may have millions of nodes.
+    pub matrix: Option<Box<[f64; 16]>>,
     pub translation: Option<[f64; 3]>,
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
