@@ -130,9 +130,12 @@ fn broken_sparse_accessors_are_refused() {
     gltf.refused(&["/accessors/0/sparse/values/bufferView"]);
 }
 
+/// Component type, bytes of a vertex, and its position when not normalised and when normalised.
+type Case = (u32, &'static [u8], [[f32; 3]; 2]);
+
 #[test]
 fn quantised_positions_of_every_kind() {
-    let cases: [(u32, &[u8], [[f32; 3]; 2]); 4] = [
+    let cases: [Case; 4] = [
         (BYTE, &[127, 0x80, 1], [[127.0, -128.0, 1.0], [1.0, -1.0, 1.0 / 127.0]]),
         (UNSIGNED_BYTE, &[255, 0, 51], [[255.0, 0.0, 51.0], [1.0, 0.0, 0.2]]),
         (

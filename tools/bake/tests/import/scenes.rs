@@ -1,4 +1,4 @@
-//! Real characters, where the folder with them stands beside the workspace.
+//! The bundled samples, and real characters where the folder with them stands beside the workspace.
 
 use restpose_bake::import::{Animation, import};
 use std::path::{Path, PathBuf};
@@ -58,4 +58,23 @@ fn cesium_man_has_its_triangles_clip_and_joints() {
         "{:?}",
         imported.faults
     );
+}
+
+#[test]
+fn the_bundled_samples_import_without_warning() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../samples/scenes");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if !path
+            .extension()
+            .is_some_and(|extension| extension == "glb" || extension == "gltf")
+        {
+            continue;
+        }
+        count += 1;
+        let imported = import(&path).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(imported.faults, [], "{}", path.display());
+    }
+    assert!(count > 0);
 }
