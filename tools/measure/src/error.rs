@@ -1,0 +1,82 @@
+use restpose_bake::BakeError;
+use restpose_formats::FormatError;
+use restpose_runtime::{Hit, PoseError, Ray};
+
+/// Why nothing was measured.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeasureError {
+    /// A setting is out of its range.
+    #[error("{name} is {found}; expected {expected}")]
+    Setting {
+        /// Field of the settings.
+        name: &'static str,
+        /// Value given.
+        found: u64,
+        /// Values that can be measured.
+        expected: &'static str,
+    },
+    /// Subdivision makes more triangles than a measurement takes.
+    #[error("{triangles} triangles subdivided {subdivisions} times are more than {limit}: ask for fewer subdivisions")]
+    TooManyTriangles {
+        /// Triangles of the source.
+        triangles: u64,
+        /// Subdivisions asked for.
+        subdivisions: u32,
+        /// Most triangles that are measured.
+        limit: u64,
+    },
+    /// Threads could not be started.
+    #[error("{threads} threads cannot be started: {source}")]
+    Threads {
+        /// Threads asked for.
+        threads: usize,
+        /// Why not.
+        source: rayon::ThreadPoolBuildError,
+    },
+    /// The source or one of its posed frames was not baked.
+    #[error(transparent)]
+    Bake(#[from] BakeError),
+    /// What was baked was refused by the format; a defect of the bake.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    /// What was baked could not be posed; a defect of the bake.
+    #[error(transparent)]
+    Pose(#[from] PoseError),
+    /// The bake depends on the number of threads; a defect of the bake.
+    #[error("subdivided {subdivisions} times, {threads} threads bake another file than {first} do; please report this")]
+    BakeDiffers {
+        /// Subdivisions.
+        subdivisions: u32,
+        /// Threads of the first bake.
+        first: usize,
+        /// Threads of the bake that differs.
+        threads: usize,
+    },
+    /// Two ways of tracing disagree, so their times mean nothing.
+    #[error(transparent)]
+    WrongHit(#[from] Box<WrongHit>),
+}
+
+/// A ray whose hit is not the same in two ways of tracing it.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error(
+    "subdivided {subdivisions} times, sample {sample}: {traced} finds {found:?} and {reference} {expected:?} for \
+     {ray:?}; please report this"
+)]
+pub struct WrongHit {
+    /// Subdivisions.
+    pub subdivisions: u32,
+    /// Row of the sample section.
+    pub sample: usize,
+    /// Ray.
+    pub ray: Ray,
+    /// What was traced.
+    pub traced: &'static str,
+    /// Its hit.
+    pub found: Option<Hit>,
+    /// What it was compared with.
+    pub reference: &'static str,
+    /// The hit of that.
+    pub expected: Option<Hit>,
+}

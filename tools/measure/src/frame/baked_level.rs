@@ -1,0 +1,72 @@
+use super::clock::pose;
+use crate::MeasureError;
+use rayon::ThreadPool;
+use restpose_bake::{BakeReport, BakeSettings, NoProgress, bake, import::Animation, subdivide::subdivide};
+use restpose_formats::write;
+use restpose_runtime::{Aabb, Asset, Scene};
+use std::{sync::Arc, time::Instant};
+
+/// One tessellation, baked in every pool.
+pub(super) struct BakedLevel {
+    pub subdivisions: u32,
+    pub asset: Arc<Asset>,
+    pub report: BakeReport,
+    pub file_bytes: u64,
+    /// Of the bake, per pool.
+    pub seconds: Vec<f64>,
+}
+
+impl BakedLevel {
+    /// Bakes in each pool and sees that the files are the same.
+    pub(super) fn new(animation: &Animation, subdivisions: u32, pools: &[ThreadPool]) -> Result<Self, MeasureError> {
+        let [first, others @ ..] = pools else {
+            return Err(MeasureError::Setting {
+                name: "number of thread counts",
+                found: 0,
+                expected: "1 or more",
+            });
+        };
+        let mesh = subdivide(animation, subdivisions);
+        let mut seconds = Vec::with_capacity(pools.len());
+        let mut timed = |pool: &ThreadPool| -> Result<(Vec<u8>, BakeReport), MeasureError> {
+            let start = Instant::now();
+            let baked = pool.install(|| bake(&mesh, &BakeSettings::default(), &NoProgress))?;
+            seconds.push(start.elapsed().as_secs_f64());
+            Ok((write(&baked.model)?, baked.report))
+        };
+        let (bytes, report) = timed(first)?;
+        for pool in others {
+            if timed(pool)?.0 != bytes {
+                return Err(MeasureError::BakeDiffers {
+                    subdivisions,
+                    first: first.current_num_threads(),
+                    threads: pool.current_num_threads(),
+                });
+            }
+        }
+        Ok(Self {
+            subdivisions,
+            asset: Arc::new(Asset::from_bytes(&bytes)?),
+            report,
+            file_bytes: bytes.len() as u64,
+            seconds,
+        })
+    }
+
+    /// The box around all vertices in some samples.
+    pub(super) fn posed_bounds(&self, samples: &[usize]) -> Result<Aabb, MeasureError> {
+        let model = self.asset.model();
+        let mut scene = Scene::new();
+        let instance = scene.add(&self.asset);
+        let mut bounds = Aabb::EMPTY;
+        for sample in samples {
+            pose(&mut scene, instance, &model.samples[*sample])?;
+            let frame = scene.commit();
+            let corners = model.triangles.iter().flat_map(|row| row.corners);
+            bounds = bounds.union(Aabb::around(
+                corners.filter_map(|vertex| frame.vertex(instance, vertex)),
+            ));
+        }
+        Ok(bounds)
+    }
+}

@@ -1,0 +1,89 @@
+use crate::MeasureError;
+use restpose_bake::import::Animation;
+use serde::Serialize;
+
+/// Most times that a mesh is subdivided: 1,024 triangles of each.
+const LARGEST_SUBDIVISION: u32 = 5;
+
+/// Most triangles that are measured. A triangle takes about 300 bytes while its file and the static tree of a posed
+/// frame are in memory.
+const TRIANGLE_LIMIT: u64 = 1 << 25;
+
+/// Most threads of one row.
+const THREAD_LIMIT: usize = 1024;
+
+/// What [`measure_frame`](super::measure_frame) measures.
+#[derive(Clone, Debug, Serialize)]
+pub struct FrameSettings {
+    /// The mesh is measured subdivided 0 to this many times. Default 3, at most 5.
+    pub subdivide_max: u32,
+    /// Thread counts, a row each. Default 1 and the current pool's, each at most 1,024.
+    pub threads: Vec<usize>,
+    /// Posed frames whose rays are traced, spread evenly over the samples. Default 4; at least 1; no more than there
+    /// are samples.
+    pub frames: usize,
+    /// Width and height of the picture whose camera rays are traced, pixels. Default 512, 1 to 8,192.
+    pub picture_side: u32,
+    /// Incoherent rays per frame. Default 65,536; at least 1.
+    pub random_rays: u32,
+    /// Times that each set of rays is timed. Default 5; at least 1.
+    pub repeats: u32,
+    /// Frame updates that are timed, rounded up to whole passes over the samples. Default 4,000; at least 1.
+    pub updates: u32,
+    /// Seed of the incoherent rays. Default 1.
+    pub seed: u64,
+}
+
+impl Default for FrameSettings {
+    fn default() -> Self {
+        let mut threads = vec![1, rayon::current_num_threads()];
+        threads.dedup();
+        Self {
+            subdivide_max: 3,
+            threads,
+            frames: 4,
+            picture_side: 512,
+            random_rays: 1 << 16,
+            repeats: 5,
+            updates: 4_000,
+            seed: 1,
+        }
+    }
+}
+
+impl FrameSettings {
+    pub(super) fn check(&self, animation: &Animation) -> Result<(), MeasureError> {
+        let within = |name, found: u64, from: u64, to: u64, expected| {
+            if (from..=to).contains(&found) {
+                Ok(())
+            } else {
+                Err(MeasureError::Setting { name, found, expected })
+            }
+        };
+        let at_least_one = |name, found| within(name, found, 1, u64::MAX, "1 or more");
+        let largest = u64::from(LARGEST_SUBDIVISION);
+        within("subdivide_max", self.subdivide_max.into(), 0, largest, "0 to 5")?;
+        for threads in &self.threads {
+            within("threads", *threads as u64, 1, THREAD_LIMIT as u64, "1 to 1024")?;
+        }
+        at_least_one("frames", self.frames as u64)?;
+        within("picture_side", self.picture_side.into(), 1, 8192, "1 to 8192")?;
+        at_least_one("random_rays", self.random_rays.into())?;
+        at_least_one("repeats", self.repeats.into())?;
+        at_least_one("updates", self.updates.into())?;
+
+        let parts = animation.parts.iter().map(|part| &animation.meshes[part.mesh]);
+        let triangles: u64 = parts
+            .flat_map(|mesh| &mesh.primitives)
+            .map(|primitive| primitive.triangles.len() as u64)
+            .sum();
+        if triangles > TRIANGLE_LIMIT >> (2 * self.subdivide_max) {
+            return Err(MeasureError::TooManyTriangles {
+                triangles,
+                subdivisions: self.subdivide_max,
+                limit: TRIANGLE_LIMIT,
+            });
+        }
+        Ok(())
+    }
+}

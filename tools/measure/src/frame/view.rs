@@ -1,0 +1,117 @@
+use restpose_runtime::{Aabb, Ray};
+
+/// Half the picture's width over its distance from the eye: a field of view of about 44°.
+const HALF_WIDTH: f64 = 0.4;
+
+/// Towards the eye: from the front (glTF's +z), a little from the right and from above.
+const TOWARDS_EYE: [f64; 3] = [0.5, 0.35, 1.0];
+
+/// A camera that sees a whole box, from a fixed direction.
+pub(super) struct View {
+    eye: [f64; 3],
+    /// Right, up, forward; right and up as long as half the picture.
+    axes: [[f64; 3]; 3],
+}
+
+impl View {
+    /// The view of the sphere around `bounds`, which fills the picture.
+    pub(super) fn of(bounds: &Aabb) -> Self {
+        let (min, max) = (bounds.min.map(f64::from), bounds.max.map(f64::from));
+        let center: [f64; 3] = std::array::from_fn(|k| 0.5 * (min[k] + max[k]));
+        let radius = 0.5 * (0..3).map(|k| (max[k] - min[k]).powi(2)).sum::<f64>().sqrt();
+        // The sphere touches the pyramid that the picture's borders span: sin of the half angle is radius / distance.
+        let distance = radius * (1.0 + HALF_WIDTH * HALF_WIDTH).sqrt() / HALF_WIDTH;
+        let back = unit(TOWARDS_EYE);
+        let right = unit([back[2], 0.0, -back[0]]);
+        let up = cross(back, right);
+        Self {
+            eye: std::array::from_fn(|k| center[k] + distance * back[k]),
+            axes: [
+                right.map(|x| x * HALF_WIDTH),
+                up.map(|x| x * HALF_WIDTH),
+                back.map(|x| -x),
+            ],
+        }
+    }
+
+    /// A ray through the middle of each pixel of a picture of `side` × `side`, rows from the top.
+    pub(super) fn rays(&self, side: u32) -> Vec<Ray> {
+        let [right, up, forward] = self.axes;
+        let place = |pixel: u32| (2.0 * f64::from(pixel) + 1.0) / f64::from(side) - 1.0;
+        let ray = |row: u32, column: u32| {
+            let (x, y) = (place(column), -place(row));
+            let direction: [f64; 3] = std::array::from_fn(|k| forward[k] + x * right[k] + y * up[k]);
+            Ray::new(self.eye.map(|x| x as f32), direction.map(|x| x as f32))
+        };
+        (0..side)
+            .flat_map(|row| (0..side).map(move |column| ray(row, column)))
+            .collect()
+    }
+}
+
+fn unit(v: [f64; 3]) -> [f64; 3] {
+    let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    v.map(|x| x / length)
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        a[i] * b[j] - a[j] * b[i]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where a point is in the picture: −1 to 1 from left to right and from bottom to top.
+    fn seen_at(view: &View, point: [f64; 3]) -> [f64; 2] {
+        let from_eye: [f64; 3] = std::array::from_fn(|k| point[k] - view.eye[k]);
+        let dot = |axis: [f64; 3]| (0..3).map(|k| axis[k] * from_eye[k]).sum::<f64>();
+        let [right, up, forward] = view.axes;
+        let depth = dot(forward) * HALF_WIDTH * HALF_WIDTH;
+        [dot(right) / depth, dot(up) / depth]
+    }
+
+    #[test]
+    fn all_of_the_box_is_in_the_picture_and_fills_it() {
+        for (min, max) in [([-1.0; 3], [1.0; 3]), ([10.0, -3.0, 0.5], [10.1, 4.0, 0.5])] {
+            let view = View::of(&Aabb { min, max });
+            let mut largest = 0.0f64;
+            for corner in 0..8 {
+                let point = std::array::from_fn(|k| f64::from(if corner >> k & 1 == 0 { min[k] } else { max[k] }));
+                largest = seen_at(&view, point).iter().fold(largest, |far, x| far.max(x.abs()));
+            }
+            assert!((0.4..=1.0).contains(&largest), "{largest}");
+        }
+    }
+
+    #[test]
+    fn rays_run_through_their_pixels() {
+        let view = View::of(&Aabb {
+            min: [-1.0; 3],
+            max: [1.0; 3],
+        });
+        let rays = view.rays(4);
+        assert_eq!(rays.len(), 16);
+        let through = |ray: &Ray| {
+            seen_at(
+                &view,
+                std::array::from_fn(|k| f64::from(ray.origin[k] + ray.direction[k])),
+            )
+        };
+        // f32 rays: a few roundings of 2⁻²⁴ at coordinates below ten.
+        let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs() < 1e-5 && (a[1] - b[1]).abs() < 1e-5;
+        assert!(
+            near(through(&rays[0]), [-0.75, 0.75]),
+            "top left first: {:?}",
+            through(&rays[0])
+        );
+        assert!(
+            near(through(&rays[7]), [0.75, 0.25]),
+            "rows one after the other: {:?}",
+            through(&rays[7])
+        );
+    }
+}
