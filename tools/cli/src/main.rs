@@ -76,7 +76,13 @@ fn refuse(error: &clap::Error) -> ExitCode {
     let json = std::env::args_os().any(|word| word == "--json");
     if json {
         let text = error.render().to_string();
-        let message = text.trim().trim_start_matches("error: ");
+        // The first paragraph says what is wrong; usage and tips follow.
+        let message = text
+            .split("\n\n")
+            .next()
+            .unwrap_or(&text)
+            .trim_start_matches("error: ")
+            .trim();
         return output::finish(Err(Failure::new(ExitCode::CommandLine, message)), true);
     }
     let _ = error.print();

@@ -24,8 +24,8 @@ pub struct BakeArgs {
     #[arg(long, value_enum, default_value_t = BoundsKind::Sampled, help_heading = "Poses")]
     pub bounds: BoundsKind,
 
-    /// Motion class (static, rigid, skinned) of a part, against the baker's own choice; may be given again
-    /// [default: the baker decides]
+    /// Motion class of a part, against the baker's own choice: static freezes it, rigid keeps a bone for a part that
+    /// no clip moves; may be given again [default: the baker decides]
     #[arg(long = "class", value_name = "PART=CLASS", help_heading = "Motion classes")]
     pub classes: Vec<ClassOverride>,
 }

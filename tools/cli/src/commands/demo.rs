@@ -42,14 +42,14 @@ struct Report {
 #[derive(Serialize)]
 struct Scene {
     name: String,
-    source: PathBuf,
-    file: PathBuf,
+    source: String,
+    file: String,
     file_bytes: u64,
     triangles: u64,
     clusters: u64,
     clip: Option<String>,
-    animation: PathBuf,
-    pictures: Vec<PathBuf>,
+    animation: String,
+    pictures: Vec<String>,
     verify: VerifyReport,
 }
 
@@ -62,7 +62,7 @@ pub fn run(args: &DemoArgs, context: &Context) -> Result<Answer, Failure> {
     }
     let failure = scenes
         .iter()
-        .find_map(|scene| verify::failure(&scene.verify, &scene.file));
+        .find_map(|scene| verify::failure(&scene.verify, Path::new(&scene.file)));
     let text = text(&scenes, &args.output);
     let report = Report {
         passed: failure.is_none(),
@@ -153,17 +153,18 @@ fn show(source: &Path, output: &Path, context: &Context) -> Result<Scene, Failur
     // The file is let go before it gets its final name: not every system renames a mapped file.
     drop(asset);
     folder.publish()?;
+    let shown = |name: &str| target.join(name).display().to_string();
     Ok(Scene {
-        source: source.to_owned(),
-        file: target.join(&file_name),
+        source: source.display().to_string(),
+        file: shown(&file_name),
         file_bytes: written.file_bytes,
         triangles: written.report.triangles,
         clusters: written.report.clusters,
         clip,
-        animation: target.join(super::render::ANIMATION),
+        animation: shown(super::render::ANIMATION),
         pictures: View::ALL
             .iter()
-            .map(|view| target.join(format!("{}.png", view.name())))
+            .map(|view| shown(&format!("{}.png", view.name())))
             .collect(),
         verify: verified,
         name,
@@ -231,8 +232,8 @@ fn text(scenes: &[Scene], output: &Path) -> String {
         format!("The pictures are in {}:", output.display()),
     ];
     for scene in scenes {
-        lines.push(format!("  {}", scene.animation.display()));
-        lines.extend(scene.pictures.iter().map(|path| format!("  {}", path.display())));
+        lines.push(format!("  {}", scene.animation));
+        lines.extend(scene.pictures.iter().map(|path| format!("  {path}")));
     }
     lines.join("\n")
 }

@@ -12,7 +12,7 @@ use crate::{
 };
 use restpose_runtime::Asset;
 use serde::Serialize;
-use std::{path::PathBuf, sync::Arc};
+use std::sync::Arc;
 
 /// Name of the animated file.
 pub const ANIMATION: &str = "animation.gif";
@@ -24,8 +24,8 @@ struct Report {
     clip: Option<String>,
     width: u32,
     height: u32,
-    frames: Vec<PathBuf>,
-    animation: Option<PathBuf>,
+    frames: Vec<String>,
+    animation: String,
     seconds: StageSeconds,
 }
 
@@ -45,12 +45,18 @@ pub fn run(args: &RenderArgs, context: &Context) -> Result<Answer, Failure> {
     let movement = choice.movement(&asset)?;
     shoot(&asset, &movement, &look, &context.reporter, &mut folder)?;
     context.reporter.stage("publish", 0);
-    let mut frames = folder.publish()?;
-    let animation = frames.pop();
+    let placed = folder.publish()?;
+    let mut frames: Vec<String> = placed.iter().map(|path| path.display().to_string()).collect();
+    let animation = frames.pop().unwrap_or_default();
     let clip = movement
         .clip
         .and_then(|clip| asset.model().meta.clip_names.get(clip).cloned());
-    let text = format!("{} frames and {ANIMATION} in {}", frames.len(), args.output.display());
+    let plural = if frames.len() == 1 { "" } else { "s" };
+    let text = format!(
+        "{} frame{plural} and {ANIMATION} in {}",
+        frames.len(),
+        args.output.display()
+    );
     let report = Report {
         file: args.file.display().to_string(),
         view: look.view.name(),
@@ -95,7 +101,7 @@ pub fn shoot(
     reporter: &Reporter,
     folder: &mut OutputFolder,
 ) -> Result<(), Failure> {
-    reporter.stage("frame the clip", 0);
+    reporter.stage("frame_clip", 0);
     let mut film = Film::new(asset, movement, look).map_err(internal)?;
     let Size { width, height } = look.size;
     let count = film.frame_count();

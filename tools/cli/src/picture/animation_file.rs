@@ -57,7 +57,7 @@ impl<'a, W: Write> AnimationFile<'a, W> {
             // A frame without any change still takes its time: one pixel of it is stored.
             let (top, bottom) = (
                 places().next().unwrap_or(0) / width,
-                places().last().unwrap_or(0) / width,
+                places().next_back().unwrap_or(0) / width,
             );
             let left = places().map(|i| i % width).min().unwrap_or(0);
             let right = places().map(|i| i % width).max().unwrap_or(0);

@@ -1,0 +1,36 @@
+use crate::{
+    fixture::{door, folder},
+    run::{files, restpose},
+};
+
+#[test]
+fn the_demo_shows_and_verifies_every_scene_in_the_folder() {
+    let folder = folder();
+    let scenes = folder.path().join("samples/scenes");
+    std::fs::create_dir_all(&scenes).expect("room");
+    door(&scenes);
+    let run = restpose(folder.path(), ["demo"]).succeeded();
+    let names = ["animation.gif", "shaded.png", "clusters.png", "boxes.png", "steps.png"];
+    for name in names {
+        let path = format!("out/demo/door/{name}");
+        assert!(
+            run.stdout.contains(&path) && folder.path().join(&path).is_file(),
+            "{path}: {run:?}"
+        );
+    }
+    let made = files(&folder.path().join("out"));
+    // out/demo, out/demo/door, the five, the baked file, 24 frames.
+    assert_eq!(made.len(), 2 + 5 + 1 + 24, "{made:?}");
+    assert!(folder.path().join("out/demo/door/door.rpose").is_file());
+}
+
+#[test]
+fn a_scene_that_cannot_be_baked_leaves_nothing_of_itself() {
+    let folder = folder();
+    let scenes = folder.path().join("scenes");
+    std::fs::create_dir_all(&scenes).expect("room");
+    std::fs::write(scenes.join("bad.gltf"), "{}").expect("room");
+    let run = restpose(folder.path(), ["demo", "--scenes", "scenes", "-o", "new"]);
+    assert_eq!(run.code, 3, "{run:?}");
+    assert!(!folder.path().join("new").exists());
+}

@@ -1,0 +1,120 @@
+use crate::{
+    fixture::{baked_door, door, folder, outgrown_door},
+    run::restpose,
+};
+use serde_json::Value;
+use std::{collections::BTreeSet, fs, path::Path};
+
+/// Keys whose contents are listed elsewhere or free.
+const OPAQUE: [&str; 5] = [
+    "options",
+    "scenes[].verify",
+    "seconds",
+    "failures[].expected",
+    "failures[].found",
+];
+
+/// The keys in the tables of `JSON.md` under this heading.
+fn documented(heading: &str) -> BTreeSet<String> {
+    let text = include_str!("../../JSON.md");
+    let section = text
+        .split("\n## ")
+        .find(|section| section.lines().next() == Some(heading))
+        .expect("the heading");
+    let keys = section
+        .lines()
+        .filter_map(|line| line.strip_prefix("| `")?.split('`').next());
+    keys.map(str::to_owned).collect()
+}
+
+/// The keys of an object as `JSON.md` writes them.
+fn keys(value: &Value, prefix: &str, known: &BTreeSet<String>, found: &mut BTreeSet<String>) {
+    if known.contains(prefix) && OPAQUE.contains(&prefix) {
+        found.insert(prefix.to_owned());
+        return;
+    }
+    match value {
+        Value::Object(fields) => {
+            let dot = if prefix.is_empty() { "" } else { "." };
+            fields
+                .iter()
+                .for_each(|(name, value)| keys(value, &format!("{prefix}{dot}{name}"), known, found));
+        }
+        Value::Array(entries) => entries
+            .iter()
+            .for_each(|entry| keys(entry, &format!("{prefix}[]"), known, found)),
+        _ => drop(found.insert(prefix.to_owned())),
+    }
+}
+
+/// Fails unless these runs print the documented keys, all of them and no others.
+#[track_caller]
+fn agree(heading: &str, folder: &Path, runs: &[&[&str]]) {
+    let known = &documented(heading) | &documented("Failure");
+    let mut found = BTreeSet::new();
+    for arguments in runs {
+        let run = restpose(folder, arguments.iter().chain(&["--json"]));
+        assert_eq!(run.stdout.lines().count(), 1, "{run:?}");
+        keys(&run.json(), "", &known, &mut found);
+    }
+    let own: Vec<_> = documented(heading).difference(&found).cloned().collect();
+    let other: Vec<_> = found.difference(&known).cloned().collect();
+    assert!(
+        own.is_empty() && other.is_empty(),
+        "{heading}: documented only {own:?}, printed only {other:?}"
+    );
+}
+
+#[test]
+fn bake_prints_its_keys() {
+    let folder = folder();
+    door(folder.path());
+    let bake: &[&str] = &["bake", "door.gltf", "-o", "door.rpose"];
+    agree("bake", folder.path(), &[bake, &[bake, &["--if-changed"]].concat()]);
+}
+
+#[test]
+fn the_other_commands_print_their_keys() {
+    let folder = folder();
+    baked_door(folder.path());
+    agree("info", folder.path(), &[&["info", "door.rpose"]]);
+    agree("validate", folder.path(), &[&["validate", "door.rpose"]]);
+    agree(
+        "render",
+        folder.path(),
+        &[&["render", "door.rpose", "-o", "out", "--size", "32x32", "--frames", "2"]],
+    );
+    agree("demo", folder.path(), &[&["demo", "--scenes", ".", "-o", "demo"]]);
+}
+
+#[test]
+fn verify_prints_its_keys_and_the_failures() {
+    let folder = folder();
+    outgrown_door(folder.path());
+    let sound: &[&str] = &["verify", "door.rpose", "door.gltf", "--rays", "1000"];
+    agree(
+        "verify",
+        folder.path(),
+        &[sound, &["verify", "bad.rpose", "door.gltf", "--rays", "5000"]],
+    );
+}
+
+#[test]
+fn a_failure_prints_its_keys() {
+    let folder = folder();
+    door(folder.path());
+    fs::write(
+        folder.path().join("bad.gltf"),
+        "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":3}]}",
+    )
+    .expect("room");
+    agree(
+        "Failure",
+        folder.path(),
+        &[
+            &["info", "none.rpose"],
+            &["bake", "bad.gltf", "-o", "bad.rpose"],
+            &["bend"],
+        ],
+    );
+}

@@ -1,0 +1,13 @@
+//! The built program as a user meets it: help, messages, exit codes, output, files.
+
+mod bad_files;
+mod bake;
+mod command_line;
+mod demo;
+mod fixture;
+mod help;
+mod json;
+mod pictures;
+mod run;
+mod terminal;
+mod verification;

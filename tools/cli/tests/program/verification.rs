@@ -1,0 +1,93 @@
+use crate::{
+    fixture::{baked_door, door, folder, outgrown_door, sample},
+    run::restpose,
+};
+use std::fs;
+
+#[test]
+fn a_fresh_file_passes() {
+    let folder = folder();
+    let source = sample("walker.glb");
+    let source = source.to_str().expect("text");
+    restpose(folder.path(), ["bake", source, "-o", "walker.rpose"]).succeeded();
+    let run = restpose(
+        folder.path(),
+        ["verify", "walker.rpose", source, "--rays", "2000", "--json"],
+    )
+    .succeeded();
+    let json = run.json();
+    assert_eq!(
+        (&json["passed"], &json["rays"], &json["missed"], &json["wrong"]),
+        (&true.into(), &2000.into(), &0.into(), &0.into())
+    );
+    assert!(json["hits"].as_u64().is_some_and(|hits| hits > 200), "{json}");
+    assert!(
+        json["max_vertex_error"].as_f64().is_some_and(|error| error < 1e-5),
+        "{json}"
+    );
+    let run = restpose(folder.path(), ["verify", "walker.rpose", source, "--rays", "2000"]).succeeded();
+    for line in ["rays ", "poses ", "hits ", "missed ", "wrong ", "max vertex error "] {
+        assert!(
+            run.stdout.lines().any(|found| found.starts_with(line)),
+            "{line}: {run:?}"
+        );
+    }
+}
+
+#[test]
+fn the_seed_chooses_the_rays() {
+    let folder = folder();
+    baked_door(folder.path());
+    let hits = |seed: &str| {
+        let arguments = [
+            "verify",
+            "door.rpose",
+            "door.gltf",
+            "--rays",
+            "3000",
+            "--json",
+            "--seed",
+            seed,
+        ];
+        restpose(folder.path(), arguments).succeeded().json()["hits"].clone()
+    };
+    assert_eq!(hits("5"), hits("5"));
+    assert_ne!(hits("5"), hits("6"));
+}
+
+#[test]
+fn a_file_with_boxes_too_small_fails_with_its_own_code() {
+    let folder = folder();
+    outgrown_door(folder.path());
+    restpose(folder.path(), ["validate", "bad.rpose"]).succeeded();
+
+    let run = restpose(
+        folder.path(),
+        ["verify", "bad.rpose", "door.gltf", "--rays", "5000", "--json"],
+    );
+    assert_eq!(run.code, 7, "{run:?}");
+    let json = run.json();
+    assert_eq!(json["passed"], false);
+    assert_eq!(json["error"]["code"], 7);
+    assert!(json["missed"].as_u64().is_some_and(|missed| missed > 0), "{json}");
+    assert!(!json["failures"].as_array().expect("a list").is_empty());
+    assert!(run.stderr.contains("verification failed"), "{run:?}");
+    let run = restpose(folder.path(), ["verify", "bad.rpose", "door.gltf", "--rays", "5000"]);
+    assert_eq!(run.code, 7);
+    assert!(
+        run.stdout.contains("missed "),
+        "the result is printed all the same: {run:?}"
+    );
+}
+
+#[test]
+fn another_source_is_refused() {
+    let folder = folder();
+    baked_door(folder.path());
+    let source = door(folder.path());
+    let json = fs::read_to_string(&source).expect("text");
+    fs::write(&source, json + " ").expect("room");
+    let run = restpose(folder.path(), ["verify", "door.rpose", "door.gltf"]);
+    assert_eq!(run.code, 3, "{run:?}");
+    assert!(run.stderr.contains("was not baked from this source"), "{run:?}");
+}
