@@ -15,6 +15,35 @@ pub struct Hashes {
     pub options: [u8; 32],
 }
 
+/// The per-vertex lists, for [`Model`] and [`ModelView`] alike.
+macro_rules! vertex_lists {
+    () => {
+        /// Influences of one vertex, which is a vertex row other than the closing one.
+        ///
+        /// # Panics
+        /// When there is no such vertex, or the rows were never checked and their ranges are wrong.
+        #[inline]
+        #[must_use]
+        pub fn influences_of(&self, vertex: usize) -> &[InfluenceRow] {
+            let [begin, end] = [vertex, vertex + 1].map(|row| self.vertices[row].influence_first as usize);
+            &self.influences[begin..end]
+        }
+
+        /// Morph deltas of one vertex, which is a vertex row other than the closing one.
+        ///
+        /// # Panics
+        /// As [`Self::influences_of`].
+        #[inline]
+        #[must_use]
+        pub fn morph_deltas_of(&self, vertex: usize) -> &[MorphDeltaRow] {
+            if self.morph_first.is_empty() {
+                return &[];
+            }
+            &self.morph_deltas[self.morph_first[vertex] as usize..self.morph_first[vertex + 1] as usize]
+        }
+    };
+}
+
 /// Declares the bulk sections once: as owned vectors in [`Model`], as borrowed slices in [`ModelView`].
 macro_rules! sections {
     ($($(#[doc = $doc:literal])+ $field:ident: $row:ty,)+) => {
@@ -39,6 +68,8 @@ macro_rules! sections {
         }
 
         impl Model {
+            vertex_lists!();
+
             /// Borrows everything. The metadata is copied.
             #[must_use]
             pub fn view(&self) -> ModelView<'_> {
@@ -47,6 +78,8 @@ macro_rules! sections {
         }
 
         impl ModelView<'_> {
+            vertex_lists!();
+
             /// Copies everything into a model that can be edited.
             #[must_use]
             pub fn to_model(&self) -> Model {

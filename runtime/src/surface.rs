@@ -67,13 +67,9 @@ impl SurfacePoint {
 /// The bone with the greatest weight at the point. Quadratic in the influences of three vertices, which are few.
 fn dominant_bone(instance: &Instance, rows: [usize; 3], weights: [f64; 3]) -> u32 {
     let model = instance.asset.model();
-    let influences = |row: usize| {
-        &model.influences
-            [model.vertices[row].influence_first as usize..model.vertices[row + 1].influence_first as usize]
-    };
     let weight_of = |bone: u32| -> f64 {
         (0..3)
-            .flat_map(|i| influences(rows[i]).iter().map(move |influence| (i, influence)))
+            .flat_map(|i| model.influences_of(rows[i]).iter().map(move |influence| (i, influence)))
             .filter(|(_, influence)| influence.bone == bone)
             .map(|(i, influence)| weights[i] * f64::from(influence.weight))
             .sum()
@@ -81,7 +77,7 @@ fn dominant_bone(instance: &Instance, rows: [usize; 3], weights: [f64; 3]) -> u3
     let mut best = (NONE, f64::NEG_INFINITY);
     for bone in rows
         .iter()
-        .flat_map(|row| influences(*row))
+        .flat_map(|row| model.influences_of(*row))
         .map(|influence| influence.bone)
     {
         let weight = weight_of(bone);

@@ -12,19 +12,15 @@ use restpose_formats::{ModelView, geom::Affine};
 /// per morph target row.
 #[inline]
 pub(crate) fn pose_vertex(model: &ModelView, palette: &[Affine], morph_weights: &[f32], vertex: u32) -> [f32; 3] {
-    let index = vertex as usize;
-    let row = model.vertices[index];
-    let end = model.vertices[index + 1].influence_first;
-    let mut p = row.position_rest;
-    if !model.morph_first.is_empty() {
-        for delta in &model.morph_deltas[model.morph_first[index] as usize..model.morph_first[index + 1] as usize] {
-            let weight = morph_weights[delta.target as usize];
-            for k in 0..3 {
-                p[k] += weight * delta.delta[k];
-            }
+    let vertex = vertex as usize;
+    let mut p = model.vertices[vertex].position_rest;
+    for delta in model.morph_deltas_of(vertex) {
+        let weight = morph_weights[delta.target as usize];
+        for k in 0..3 {
+            p[k] += weight * delta.delta[k];
         }
     }
-    let influences = &model.influences[row.influence_first as usize..end as usize];
+    let influences = model.influences_of(vertex);
     if let [only] = influences {
         return palette[only.bone as usize].transform_point(p);
     }

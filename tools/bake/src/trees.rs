@@ -68,11 +68,10 @@ fn cluster_bones(model: &Model, group: &[Carried]) -> Vec<ClusterBoneRow> {
         .iter()
         .flat_map(|carried| model.triangles[carried.triangle as usize].corners)
     {
-        let row = model.vertices[corner as usize];
-        let influences = row.influence_first as usize..model.vertices[corner as usize + 1].influence_first as usize;
-        for influence in &model.influences[influences] {
+        let position = model.vertices[corner as usize].position_rest;
+        for influence in model.influences_of(corner as usize) {
             let extent = extents[influence.bone as usize].get_or_insert([0.0; 3]);
-            *extent = std::array::from_fn(|k| extent[k].max(row.position_rest[k].abs()));
+            *extent = std::array::from_fn(|k| extent[k].max(position[k].abs()));
         }
     }
     let row = |(bone, extent): (usize, Option<[f32; 3]>)| {

@@ -18,7 +18,7 @@ pub(super) fn is_degenerate(model: &Model, triangle: &TriangleRow) -> bool {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         e[i] * f[j] == e[j] * f[i]
     });
-    on_a_line && !morphs(model, a) && moves_alike(model, a, b) && moves_alike(model, b, c)
+    on_a_line && model.morph_deltas_of(a).is_empty() && moves_alike(model, a, b) && moves_alike(model, b, c)
 }
 
 fn position(model: &Model, vertex: usize) -> [f32; 3] {
@@ -26,20 +26,5 @@ fn position(model: &Model, vertex: usize) -> [f32; 3] {
 }
 
 fn moves_alike(model: &Model, a: usize, b: usize) -> bool {
-    let influences = |vertex: usize| {
-        &model.influences[model.vertices[vertex].influence_first as usize..]
-            [..(model.vertices[vertex + 1].influence_first - model.vertices[vertex].influence_first) as usize]
-    };
-    let deltas = |vertex: usize| match model.morph_first.get(vertex..vertex + 2) {
-        Some(ends) => &model.morph_deltas[ends[0] as usize..ends[1] as usize],
-        None => &[],
-    };
-    influences(a) == influences(b) && deltas(a) == deltas(b)
-}
-
-fn morphs(model: &Model, vertex: usize) -> bool {
-    model
-        .morph_first
-        .get(vertex..vertex + 2)
-        .is_some_and(|ends| ends[0] != ends[1])
+    model.influences_of(a) == model.influences_of(b) && model.morph_deltas_of(a) == model.morph_deltas_of(b)
 }

@@ -5,14 +5,9 @@ use restpose_formats::Model;
 ///
 /// The same function as the runtime's vertex function but for its rounding, which the run-time margin covers.
 pub(crate) fn vertex_track(model: &Model, poses: &[SampledPose], vertex: usize, track: &mut Vec<[f64; 3]>) {
-    let row = model.vertices[vertex];
-    let rest = row.position_rest.map(f64::from);
-    let deltas = match model.morph_first.get(vertex..vertex + 2) {
-        Some(ends) => &model.morph_deltas[ends[0] as usize..ends[1] as usize],
-        None => &[],
-    };
-    let influences =
-        &model.influences[row.influence_first as usize..model.vertices[vertex + 1].influence_first as usize];
+    let rest = model.vertices[vertex].position_rest.map(f64::from);
+    let deltas = model.morph_deltas_of(vertex);
+    let influences = model.influences_of(vertex);
     track.clear();
     track.extend(poses.iter().map(|pose| {
         let mut p = rest;

@@ -91,13 +91,8 @@ fn has_area(triangle: &TriangleRow) -> bool {
 fn only_bone(model: &Model, triangle: &TriangleRow) -> Option<u32> {
     let mut found = None;
     for corner in triangle.corners.map(|corner| corner as usize) {
-        let morphs = model
-            .morph_first
-            .get(corner..corner + 2)
-            .is_some_and(|ends| ends[0] != ends[1]);
-        let influences =
-            model.vertices[corner].influence_first as usize..model.vertices[corner + 1].influence_first as usize;
-        match &model.influences[influences] {
+        let morphs = !model.morph_deltas_of(corner).is_empty();
+        match model.influences_of(corner) {
             [only] if !morphs && found.is_none_or(|bone| bone == only.bone) => found = Some(only.bone),
             _ => return None,
         }
