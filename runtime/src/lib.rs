@@ -27,7 +27,6 @@
 //! holds the proof.
 
 mod asset;
-/// Tree builders.
 pub mod build;
 mod cluster_frame;
 mod error;
