@@ -21,7 +21,7 @@ pub struct Meta {
     pub part_names: Vec<String>,
     /// One name per bone row.
     pub bone_names: Vec<String>,
-    /// One name per clip row.
+    /// One name per clip row; the source's number where it has no name.
     pub clip_names: Vec<String>,
     /// How the fuzzy boxes were bounded.
     pub bounds: Bounds,

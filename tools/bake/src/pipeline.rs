@@ -88,14 +88,8 @@ fn selected_clips(animation: &Animation, selection: &ClipSelection) -> Result<Ve
         ClipSelection::All => return Ok((0..animation.clips.len()).collect()),
         ClipSelection::Named(names) => names,
     };
-    let name_of = |(number, clip): (usize, &crate::import::Clip)| {
-        if clip.name.is_empty() {
-            number.to_string()
-        } else {
-            clip.name.clone()
-        }
-    };
-    let known: Vec<String> = animation.clips.iter().enumerate().map(name_of).collect();
+    let label = |(number, clip): (usize, &crate::import::Clip)| clip.label(number);
+    let known: Vec<String> = animation.clips.iter().enumerate().map(label).collect();
     let mut out = Vec::new();
     for name in names {
         let found = known

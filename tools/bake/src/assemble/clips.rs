@@ -58,7 +58,7 @@ pub(crate) fn add_clips(
             channel_first,
             channel_count,
         });
-        model.meta.clip_names.push(source.name.clone());
+        model.meta.clip_names.push(source.label(*clip));
     }
     Ok(())
 }

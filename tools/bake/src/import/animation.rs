@@ -92,6 +92,18 @@ pub struct Clip {
     pub channels: Vec<Channel>,
 }
 
+impl Clip {
+    /// What the clip is called in options and in the file: its name, or its number in the source where it has none.
+    #[must_use]
+    pub fn label(&self, number: usize) -> String {
+        if self.name.is_empty() {
+            number.to_string()
+        } else {
+            self.name.clone()
+        }
+    }
+}
+
 /// One animated property.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {

@@ -27,13 +27,16 @@ impl<'a> SourcePose<'a> {
     /// `model` is a bake of `animation`.
     #[must_use]
     pub fn new(animation: &'a Animation, model: &ModelView) -> Self {
-        // The file keeps selected clips in source order under their names.
+        // The file keeps selected clips in source order under their labels; clips of one label are selected together.
         let mut clips = Vec::new();
+        let mut labels = animation
+            .clips
+            .iter()
+            .enumerate()
+            .map(|(number, clip)| clip.label(number));
         let mut number = 0;
         for name in &model.meta.clip_names {
-            while animation.clips.get(number).is_some_and(|clip| clip.name != *name) {
-                number += 1;
-            }
+            number += labels.by_ref().take_while(|label| label != name).count();
             clips.push(number);
             number += 1;
         }
