@@ -27,6 +27,9 @@ pub struct FrameArgs {
     /// Measure the mesh subdivided 0 to MAX times, MAX from 0 to 5; each time has four times the triangles
     #[arg(long, value_name = "MAX", default_value_t = 3, value_parser = clap::value_parser!(u32).range(0..=5))]
     pub subdivide: u32,
+    /// Posed frames whose rays are traced, 1 to 1000, spread evenly over the sampled poses
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub frames: u16,
     /// Thread counts to measure, such as 1,2,8; each 1 to 1024 [default: 1 and what --threads says]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = values::threads)]
     pub thread_counts: Vec<NonZeroUsize>,

@@ -42,6 +42,7 @@ fn frame(args: &FrameArgs, context: &Context) -> Result<Answer, Failure> {
     let source = import(&args.source).map_err(|error| Failure::import(&args.source, error))?;
     let mut settings = FrameSettings {
         subdivide_max: args.subdivide,
+        frames: usize::from(args.frames),
         ..FrameSettings::default()
     };
     if !args.thread_counts.is_empty() {
