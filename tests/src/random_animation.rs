@@ -9,7 +9,7 @@ use restpose_formats::rows::Interpolation;
 pub struct Recipe {
     /// Seed.
     pub seed: u64,
-    /// Vertices; as many triangles are drawn among them.
+    /// Vertices, at least three; as many triangles are drawn among them.
     pub vertices: usize,
     /// Joints of the skin.
     pub joints: usize,
@@ -42,9 +42,11 @@ pub fn random_animation(recipe: &Recipe) -> Animation {
     let translations: Vec<[f32; 3]> = (0..recipe.joints * 3).map(|_| point(0.4)).collect();
 
     let corner = |random: &mut Rng| random.u32(..recipe.vertices as u32);
-    let triangles: Vec<[u32; 3]> = (0..recipe.vertices)
+    let mut triangles: Vec<[u32; 3]> = (0..recipe.vertices)
         .map(|_| std::array::from_fn(|_| corner(&mut random)))
         .collect();
+    // Chance may draw a corner twice; one triangle is sure to have an area.
+    triangles[0] = [0, 1, 2];
     let influences = (0..recipe.vertices)
         .map(|_| random_influences(&mut random, recipe.joints))
         .collect();

@@ -1,6 +1,6 @@
 //! The contract: hits equal brute force, bit for bit, in every pose that a file was baked for.
 
-use proptest::prelude::*;
+use proptest::{prelude::*, test_runner::RngSeed};
 use restpose_bake::{
     BakeSettings, NoProgress, bake,
     import::Animation,
@@ -71,7 +71,8 @@ fn verify_random(animation: &Animation, rays: u64) -> VerifyReport {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+    // The same cases every time; PROPTEST_CASES=100000 is a night's search.
+    #![proptest_config(ProptestConfig { rng_seed: RngSeed::Fixed(1), failure_persistence: None, ..ProptestConfig::with_cases(96) })]
 
     #[test]
     fn hits_equal_brute_force_on_random_animations(

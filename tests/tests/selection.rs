@@ -9,7 +9,11 @@ use restpose_runtime::{Asset, Scene};
 use restpose_tests::{Recipe, random_animation, sample_scenes};
 use std::sync::Arc;
 
-const QUICK: VerifySettings = VerifySettings { rays: 2_000, poses: 8, seed: 1 };
+const QUICK: VerifySettings = VerifySettings {
+    rays: 2_000,
+    poses: 8,
+    seed: 1,
+};
 
 /// Three clips, two of them without a name: each can be chosen, and is then the one that is played and verified.
 #[test]
