@@ -1,5 +1,6 @@
 use crate::section::SECTION_ALIGN;
 use bytemuck::{Pod, Zeroable};
+use std::collections::TryReserveError;
 
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -20,6 +21,18 @@ impl AlignedBytes {
             blocks: vec![Block::zeroed(); len.div_ceil(SECTION_ALIGN)],
             len,
         }
+    }
+
+    /// As [`AlignedBytes::zeroed`], for a length that a stranger chose.
+    ///
+    /// # Errors
+    /// When there is not that much memory.
+    pub fn try_zeroed(len: usize) -> Result<Self, TryReserveError> {
+        let mut blocks = Vec::new();
+        let count = len.div_ceil(SECTION_ALIGN);
+        blocks.try_reserve_exact(count)?;
+        blocks.resize(count, Block::zeroed());
+        Ok(Self { blocks, len })
     }
 
     /// A copy of `bytes`.

@@ -19,7 +19,7 @@ pub struct Meta {
     pub options: Vec<(String, String)>,
     /// One name per part row; empty where the source has none.
     pub part_names: Vec<String>,
-    /// One name per bone row.
+    /// One name per bone row: its node's, or `node` and the source's number.
     pub bone_names: Vec<String>,
     /// One name per clip row; the source's number where it has no name.
     pub clip_names: Vec<String>,

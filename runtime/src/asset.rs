@@ -72,6 +72,13 @@ impl Asset {
         self.model().meta.clip_names.iter().position(|clip| clip == name)
     }
 
+    /// The first bone with this name, as a row of [`ModelView::bones`] and an entry of the palette. Joints are called as
+    /// their nodes.
+    #[must_use]
+    pub fn bone(&self, name: &str) -> Option<usize> {
+        self.model().meta.bone_names.iter().position(|bone| bone == name)
+    }
+
     /// Bound of a posed vertex's rounding error, relative to `|X|·|p| + |t|`.
     pub(crate) fn vertex_error(&self) -> f64 {
         self.vertex_error

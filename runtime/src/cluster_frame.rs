@@ -46,6 +46,11 @@ const CONDITION_LIMIT: f64 = 65_536.0;
 /// entries could underflow to nothing and take the relative error bounds with them.
 const SCALE_LIMIT: f64 = (1u64 << 60) as f64;
 
+/// Beyond this a coordinate in local space, or its distance to another, may have overflowed to infinity: fuzzy boxes that
+/// reach further are not used (their sides were cut off at `f32::MAX`), and ray origins beyond it are restricted by
+/// nothing.
+const EXTENT_LIMIT: f64 = (1u128 << 126) as f64;
+
 /// Ray-dependent part of the margin, per unit of `Σ|L|·D`: triangle test 6u, ray transform γ₅ + γ₃ ≤ 8.1u, slabs 4u,
 /// and the rounding of the margin itself; 24u covers them.
 const RAY_ERROR: f32 = (VERTEX_ERROR + 18.0 * UNIT_ROUNDOFF) as f32;
@@ -56,6 +61,10 @@ const WORLD_RAY_ERROR: f32 = (VERTEX_ERROR + 10.0 * UNIT_ROUNDOFF) as f32;
 /// 2⁻¹⁴⁰: covers what gradual underflow adds to the sums above, at most 2⁻¹⁵⁰ per operation. Taken once in local units
 /// and once times `Σ|L|` for what underflows in world space.
 const UNDERFLOW_FLOOR: f64 = 1.0 / (1u128 << 116) as f64 * UNIT_ROUNDOFF;
+
+/// 2⁻¹²⁶. Below it a rounding is no longer relative to its number; adding it to a magnitude makes u times the magnitude
+/// a bound again, for up to 2²⁴·2⁻¹⁵⁰.
+const SMALLEST_NORMAL: f64 = f32::MIN_POSITIVE as f64;
 
 /// Relative slack for sums that bound something in `f64`: a few hundred roundings of 2⁻⁵³.
 const F64_SLACK: f64 = 1.0 / (1u64 << 44) as f64;
@@ -111,7 +120,8 @@ pub(crate) fn pose_bones(transform: &Affine, palette: &[Affine], posed: &mut [Af
                         + offset.abs();
                 }
                 out.columns[j][k] = sum as f32;
-                magnitude[j][k] = f64::from(out.columns[j][k].abs()) + bound / f64::from(1u32 << 26);
+                // A subnormal entry is rounded by up to 2⁻¹⁵⁰, which is u times the last term.
+                magnitude[j][k] = f64::from(out.columns[j][k].abs()) + bound / f64::from(1u32 << 26) + SMALLEST_NORMAL;
             }
         }
         bone.magnitude = magnitude;
@@ -152,6 +162,9 @@ pub(crate) struct LocalFrame {
     margin_per_distance: [f32; 3],
 }
 
+/// Range in which [`gamma`] is a bound.
+const MOST_ROUNDINGS: u32 = 1 << 20;
+
 /// What [`ClusterFrame::new`] needs beside the cluster's own row.
 pub(crate) struct FramePose<'a> {
     /// Asset from rest, per bone row.
@@ -167,7 +180,12 @@ pub(crate) struct FramePose<'a> {
 
 /// Relative error of the vertex function and of the palette entries that it reads, from
 /// [`rounding_count`](crate::vertex::rounding_count).
+///
+/// Infinite, so that nothing is traced through a tree, where there are more roundings than γ is defined for.
 pub(crate) fn vertex_error(roundings: u32) -> f64 {
+    if roundings >= MOST_ROUNDINGS {
+        return f64::INFINITY;
+    }
     (UNIT_ROUNDOFF + gamma(roundings)) * (1.0 + F64_SLACK)
 }
 
@@ -196,8 +214,13 @@ impl ClusterFrame {
 
         let mut reach = [0.0f64; 3];
         for (bone, extent) in cluster_bones {
-            let moved = pose.bones[bone].reach(std::array::from_fn(|k| f64::from(extent[k]) + pose.morph_extent[k]));
+            // A morph that underflows is off by up to 2⁻¹⁵⁰ before the bone enlarges it: u times the last term.
+            let extent = std::array::from_fn(|k| f64::from(extent[k]) + pose.morph_extent[k] + SMALLEST_NORMAL);
+            let moved = pose.bones[bone].reach(extent);
             reach = std::array::from_fn(|k| reach[k].max(moved[k]));
+        }
+        if extent.iter().any(|x| *x > EXTENT_LIMIT) {
+            return None;
         }
         let frame_reach = bone.reach(extent);
         // Points 1 and 2, per world axis.
@@ -337,10 +360,18 @@ impl LocalFrame {
             (row[0] * v[0] + row[1] * v[1]) + row[2] * v[2]
         };
         let far = distance(origin, bounds_world);
+        let origin: [f32; 3] = std::array::from_fn(|k| product(from_center, k) + self.center_local[k]);
         SlabRay {
-            origin: std::array::from_fn(|k| product(from_center, k) + self.center_local[k]),
+            origin,
             inverse_direction: std::array::from_fn(|k| 1.0 / product(direction, k)),
-            margin: std::array::from_fn(|k| self.margin_local[k] + self.margin_per_distance[k] * far),
+            // Where the origin, or its distance to a plane, may have overflowed, no plane restricts the ray.
+            margin: std::array::from_fn(|k| {
+                if origin[k].abs() <= EXTENT_LIMIT as f32 {
+                    self.margin_local[k] + self.margin_per_distance[k] * far
+                } else {
+                    f32::INFINITY
+                }
+            }),
         }
     }
 

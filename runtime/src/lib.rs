@@ -18,6 +18,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! [`Asset::open`] reads a file into memory; [`Asset::map`] maps it, which is `unsafe` because the file must not change
+//! meanwhile. Poses come from a clip ([`Scene::play`]) or from the caller ([`Scene::set_palette`]).
+//!
 //! # The contract
 //!
 //! For every pose that the file's fuzzy boxes were made for and every ray, [`Frame::closest_hit`] returns the same
@@ -49,6 +52,8 @@ pub use frame::{ClusterBounds, Frame};
 pub use hit::{Hit, InstanceId};
 pub use pose::PoseEvaluator;
 pub use ray::Ray;
+/// What is in a file: the types behind [`Asset::model`].
+pub use restpose_formats as formats;
 pub use restpose_formats::geom::{Aabb, Affine};
 pub use scene::Scene;
 pub use stats::{FrameStats, TraceCounters};

@@ -37,7 +37,7 @@ pub(crate) struct StoredModel {
 impl StoredModel {
     fn new(storage: Storage) -> Result<Self, FormatError> {
         let bytes: *const [u8] = storage.bytes();
-        // SAFETY: `bytes` points into `storage`: into a mapping or a boxed slice, whose addresses do not change when
+        // SAFETY: `bytes` points into `storage`: into a mapping or a heap block, whose addresses do not change when
         // `storage` moves. `storage` is kept beside the view, is never changed or handed out, and is dropped with it;
         // dropping a view reads nothing through it. `view()` shortens the lifetime to that of `self`, so no borrow
         // outlives the bytes. For a mapping the caller of `map` has promised that nobody changes the file.
@@ -67,7 +67,7 @@ impl StoredModel {
         if magic.as_slice() != MAGIC {
             return Ok(Self::new(Storage::Owned(magic)));
         }
-        let mut bytes = AlignedBytes::zeroed(len);
+        let mut bytes = AlignedBytes::try_zeroed(len)?;
         let (begin, rest) = bytes.as_mut_slice().split_at_mut(MAGIC.len());
         begin.copy_from_slice(&MAGIC);
         file.read_exact(rest)?;

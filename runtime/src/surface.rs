@@ -81,7 +81,7 @@ fn dominant_bone(instance: &Instance, rows: [usize; 3], weights: [f64; 3]) -> u3
         .map(|influence| influence.bone)
     {
         let weight = weight_of(bone);
-        if weight > best.1 || (weight == best.1 && bone < best.0) {
+        if best.0 == NONE || weight > best.1 || (weight == best.1 && bone < best.0) {
             best = (bone, weight);
         }
     }

@@ -18,13 +18,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut scene = Scene::new();
     let near = scene.add(&asset);
     let far = scene.add(&asset);
-    scene.set_transform(far, Affine::from_translation([0.3, 0.0, -2.0]))?;
+    scene.set_transform(far, Affine::from_translation([0.5, 0.0, -2.0]))?;
     scene.play(near, walk, 0.1)?;
     scene.play(far, walk, 0.6)?;
     let frame = scene.commit();
 
-    for height in [0.2, 0.6, 1.0, 1.3, 1.6, 2.5] {
-        let shot = Ray::new([0.1, height, 10.0], [0.0, 0.0, -1.0]);
+    for (x, height) in [(0.1, 0.2), (0.1, 0.6), (0.0, 1.0), (0.5, 1.3), (0.5, 1.6), (0.0, 2.5)] {
+        let shot = Ray::new([x, height, 10.0], [0.0, 0.0, -1.0]);
         match frame.closest_hit(&shot) {
             Some(hit) => {
                 let surface = frame.surface(&hit);

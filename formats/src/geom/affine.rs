@@ -40,8 +40,45 @@ impl Affine {
     }
 }
 
+/// `a * b` is `a` after `b`, each entry summed in `f64` and rounded once.
+impl std::ops::Mul for Affine {
+    type Output = Self;
+
+    fn mul(self, other: Self) -> Self {
+        let entry = |j: usize, k: usize| {
+            let product = |i: usize| f64::from(self.columns[i][k]) * f64::from(other.columns[j][i]);
+            let offset = if j == 3 { f64::from(self.columns[3][k]) } else { 0.0 };
+            (product(0) + product(1) + product(2) + offset) as f32
+        };
+        Self {
+            columns: std::array::from_fn(|j| std::array::from_fn(|k| entry(j, k))),
+        }
+    }
+}
+
 impl Default for Affine {
     fn default() -> Self {
         Self::IDENTITY
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_product_maps_as_its_factors_do_one_after_the_other() {
+        // A quarter turn about z, then a shift; every number is exact.
+        let turn = Affine {
+            columns: [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 2.0], [0.0; 3]],
+        };
+        let shift = Affine::from_translation([10.0, 20.0, 30.0]);
+        let point = [1.0, 2.0, 3.0];
+        assert_eq!((shift * turn).transform_point(point), [8.0, 21.0, 36.0]);
+        assert_eq!(
+            (turn * shift).transform_point(point),
+            turn.transform_point(shift.transform_point(point))
+        );
+        assert_eq!(Affine::IDENTITY * turn, turn);
     }
 }

@@ -1,3 +1,4 @@
+use crate::geom::Affine;
 use bytemuck::{Pod, Zeroable};
 
 /// Bone 0 is the asset itself: no node, identity. Static triangles hang on it.
@@ -100,4 +101,14 @@ pub struct BoneRow {
     pub reserved: u32,
     /// Node space from rest space: four columns of three, as [`crate::geom::Affine`].
     pub inverse_bind: [f32; 12],
+}
+
+impl BoneRow {
+    /// The inverse bind map: a palette entry is `world(joint) * inverse_bind()`.
+    #[must_use]
+    pub fn inverse_bind(&self) -> Affine {
+        Affine {
+            columns: bytemuck::cast(self.inverse_bind),
+        }
+    }
 }

@@ -83,11 +83,8 @@ impl PoseEvaluator {
             if bone.node == NONE {
                 return Affine::IDENTITY;
             }
-            let inverse_bind: [[f32; 3]; 4] = bytemuck::cast(bone.inverse_bind);
-            let x = product(
-                &self.worlds[bone.node as usize],
-                &inverse_bind.map(|column| column.map(f64::from)),
-            );
+            let inverse_bind = bone.inverse_bind().columns.map(|column| column.map(f64::from));
+            let x = product(&self.worlds[bone.node as usize], &inverse_bind);
             Affine {
                 columns: x.map(|column| column.map(|entry| entry as f32)),
             }

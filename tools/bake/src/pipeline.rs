@@ -92,19 +92,16 @@ fn selected_clips(animation: &Animation, selection: &ClipSelection) -> Result<Ve
     let known: Vec<String> = animation.clips.iter().enumerate().map(label).collect();
     let mut out = Vec::new();
     for name in names {
-        let found = known
-            .iter()
-            .enumerate()
-            .filter(|(_, known)| *known == name)
-            .map(|(number, _)| number);
-        let before = out.len();
-        out.extend(found);
-        if out.len() == before {
+        // A number chooses a clip that has a name, too, unless it is the name of another. Clips of one name go together:
+        // the file tells them apart by nothing else.
+        let by_number = || known.get(name.parse::<usize>().ok()?);
+        let Some(label) = known.iter().find(|label| *label == name).or_else(by_number) else {
             return Err(BakeError::UnknownClip {
                 name: name.clone(),
                 known,
             });
-        }
+        };
+        out.extend((0..known.len()).filter(|number| known[*number] == *label));
     }
     out.sort_unstable();
     out.dedup();

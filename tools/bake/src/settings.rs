@@ -7,7 +7,7 @@ pub enum ClipSelection {
     /// All clips of the source.
     #[default]
     All,
-    /// Clips by name, or by number where the source gives no name. The others are left out of the file.
+    /// Clips by name, or by number in the source. The others are left out of the file.
     Named(Vec<String>),
 }
 

@@ -82,7 +82,9 @@ pub(crate) fn add_geometry(
         position_rest: [0.0; 3],
         influence_first,
     });
-    if any_morphs {
+    if model.morph_deltas.is_empty() {
+        model.morph_first.clear();
+    } else {
         model
             .morph_first
             .push(row_count("morph deltas", model.morph_deltas.len())?);

@@ -117,7 +117,7 @@ impl Bones {
                     let numbers = (row_count("skins", skin)?, row_count("joints", joint)?);
                     push_bone(
                         model,
-                        &animation.nodes[*node].name,
+                        &name_of(animation, *node),
                         node_rows[*node],
                         numbers,
                         *inverse_bind,
@@ -141,12 +141,22 @@ impl Bones {
         }
         let bone = push_bone(
             model,
-            &animation.nodes[node].name,
+            &name_of(animation, node),
             node_rows[node],
             (NONE, NONE),
             identity_bind(),
         )?;
         Ok(*self.nodes[node].insert(bone))
+    }
+}
+
+/// A node's name, or its number in the source where it has none.
+fn name_of(animation: &Animation, node: usize) -> String {
+    let name = &animation.nodes[node].name;
+    if name.is_empty() {
+        format!("node {node}")
+    } else {
+        name.clone()
     }
 }
 

@@ -33,6 +33,8 @@ pub(crate) fn classify(
             .filter(|(part, _)| part.name == *name)
         {
             known = true;
+            // Judged against what the source says, not against an earlier wish.
+            *found = class_of(animation, moving, part);
             apply(part, found, *asked)?;
         }
         if !known {

@@ -13,20 +13,17 @@ use crate::{
     import::{Animation, ImportError},
 };
 use rayon::prelude::*;
-use restpose_formats::rows::NONE;
+use restpose_formats::rows::{NONE, SampleRow};
 use restpose_runtime::{Affine, Asset, InstanceId, Ray, Scene};
 use serde::Serialize;
 use std::sync::Arc;
-
-/// Poses whose rays run as one batch; memory is that of one pose.
-const LARGEST_POSE_COUNT: u64 = 64;
 
 /// What to verify.
 #[derive(Clone, Debug)]
 pub struct VerifySettings {
     /// Rays over all poses. Default 100,000.
     pub rays: u64,
-    /// Poses, spread evenly over the file's samples. Default 16, at most 64 and at most as many as there are samples.
+    /// Poses, spread evenly over the file's samples. Default 16; no more are used than there are samples or rays.
     pub poses: u64,
     /// Seed of rays and instance transforms. Default 1.
     pub seed: u64,
@@ -49,6 +46,8 @@ pub struct VerifyReport {
     pub rays: u64,
     /// Poses.
     pub poses: u64,
+    /// Poses that the file was baked for.
+    pub samples: u64,
     /// Rays that hit something, by brute force.
     pub hits: u64,
     /// Rays that hit by brute force and miss by the runtime, closest or any.
@@ -116,13 +115,10 @@ pub fn verify(
         });
     }
     let samples = model.samples.len() as u64;
-    let poses = settings
-        .poses
-        .clamp(1, LARGEST_POSE_COUNT)
-        .min(samples.max(1))
-        .min(settings.rays.max(1));
+    let poses = settings.poses.min(samples).min(settings.rays).max(1);
     let mut report = VerifyReport {
         poses,
+        samples,
         ..VerifyReport::default()
     };
     let mut random = fastrand::Rng::with_seed(settings.seed);
@@ -133,7 +129,11 @@ pub fn verify(
     progress.stage("verify", settings.rays);
     for pose in 0..poses {
         let sample = (pose * samples / poses) as usize;
-        let row = model.samples[sample];
+        // A file without samples still has the pose without any clip.
+        let row = model.samples.get(sample).copied().unwrap_or(SampleRow {
+            clip: NONE,
+            seconds: 0.0,
+        });
         let transform = if pose % 2 == 0 {
             Affine::IDENTITY
         } else {

@@ -11,6 +11,9 @@ pub struct VerifyArgs {
     /// Rays in all, 1 to 1000000000
     #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub rays: u64,
+    /// Poses to trace them in, spread evenly over the file's samples, 1 to 1000000; no more than there are samples
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub poses: u64,
     /// Seed of the random rays, any whole number from 0
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,

@@ -172,6 +172,10 @@ fn check_output(input: &Path, output: &Path) -> Result<(), Failure> {
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty())
         .unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        let message = format!("{}: is not a folder; make it first", folder.display());
+        return Err(Failure::at(ExitCode::Io, folder, message));
+    }
     tempfile::Builder::new()
         .prefix(".restpose-")
         .tempfile_in(folder)

@@ -31,8 +31,8 @@ pub fn run(args: &VerifyArgs, context: &Context) -> Result<Answer, Failure> {
         .animation;
     let settings = VerifySettings {
         rays: args.rays,
+        poses: args.poses,
         seed: args.seed,
-        ..VerifySettings::default()
     };
     let verified = check(&asset, &source, &args.file, &settings, context)?;
     let failure = failure(&verified, &args.file);
@@ -82,7 +82,7 @@ pub fn failure(verified: &VerifyReport, file: &Path) -> Option<Failure> {
 fn text(verified: &VerifyReport) -> String {
     [
         format!("rays              {}", verified.rays),
-        format!("poses             {}", verified.poses),
+        format!("poses             {} of {} samples", verified.poses, verified.samples),
         format!("hits              {}", verified.hits),
         format!("missed            {}", verified.missed),
         format!("wrong             {}", verified.wrong),

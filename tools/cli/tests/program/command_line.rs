@@ -122,7 +122,7 @@ const FILES: [Case; 22] = [
     (
         &["bake", "door.gltf", "-o", "none/new.rpose"],
         2,
-        "none: cannot write into the folder",
+        "none: is not a folder",
     ),
     (
         &["bake", "door.gltf", "-o", "new.rpose", "--clip", "jump"],
