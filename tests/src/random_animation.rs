@@ -120,6 +120,7 @@ pub fn random_animation(recipe: &Recipe) -> Animation {
         triangles,
         influences,
         morph_targets,
+        points: Vec::new(),
     };
     Animation {
         source_name: format!("random {}", recipe.seed),
@@ -144,7 +145,9 @@ pub fn random_animation(recipe: &Recipe) -> Animation {
             node: 0,
             mesh: 0,
             skin: Some(0),
+            cache: None,
         }],
+        ..Animation::default()
     }
 }
 

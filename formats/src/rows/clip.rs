@@ -26,11 +26,13 @@ pub enum Path {
     Scale = 2,
     /// Weights of a morph set: one value per target.
     Weights = 3,
+    /// Frame of a vertex cache, counted from 0, fractions between frames: 1 value.
+    Frame = 4,
 }
 
 impl Path {
     /// All paths, in the order of their numbers.
-    pub const ALL: [Self; 4] = [Self::Translation, Self::Rotation, Self::Scale, Self::Weights];
+    pub const ALL: [Self; 5] = [Self::Translation, Self::Rotation, Self::Scale, Self::Weights, Self::Frame];
 
     /// The path with this number.
     #[must_use]
@@ -74,7 +76,7 @@ impl Interpolation {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct ChannelRow {
-    /// Node row; morph set row when `path` is weights.
+    /// Node row; morph set row when `path` is weights; cache row when it is a frame.
     pub target: u32,
     /// [`Path`] as a number.
     pub path: u32,

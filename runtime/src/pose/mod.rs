@@ -123,7 +123,7 @@ impl NodePose {
             Path::Translation => *translation = vector(),
             Path::Rotation => *rotation = curve.rotation(seconds),
             Path::Scale => *scale = vector(),
-            Path::Weights => {}
+            Path::Weights | Path::Frame => {}
         }
     }
 

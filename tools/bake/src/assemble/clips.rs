@@ -15,17 +15,17 @@ pub(crate) fn add_clips(
     clips: &[usize],
     skeleton: &Skeleton,
     morph_sets: &[u32],
+    cache_rows: &[u32],
 ) -> Result<(), BakeError> {
     for clip in clips {
         let source = &animation.clips[*clip];
         let channel_first = row_count("channels", model.channels.len())?;
         let (mut start, mut end) = (f32::INFINITY, f32::NEG_INFINITY);
         for channel in &source.channels {
-            let weights = channel.target == ChannelTarget::Weights;
-            let target = if weights {
-                morph_sets[channel.node]
-            } else {
-                skeleton.node_rows[channel.node]
+            let target = match channel.target {
+                ChannelTarget::Weights => morph_sets[channel.node],
+                ChannelTarget::Frame => cache_rows[channel.node],
+                _ => skeleton.node_rows[channel.node],
             };
             if target == NONE {
                 continue;
@@ -34,6 +34,7 @@ pub(crate) fn add_clips(
                 ChannelTarget::Rotation => 4,
                 ChannelTarget::Weights => model.morph_sets[target as usize].target_count,
                 ChannelTarget::Translation | ChannelTarget::Scale => 3,
+                ChannelTarget::Frame => 1,
             };
             model.channels.push(ChannelRow {
                 target,

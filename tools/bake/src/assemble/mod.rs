@@ -7,7 +7,7 @@ mod skeleton;
 mod weights;
 
 use crate::{BakeError, import::Animation, motion::Classified};
-use restpose_formats::Model;
+use restpose_formats::{Model, rows::NONE};
 
 /// A model without clusters and trees.
 pub(crate) struct Assembled {
@@ -21,7 +21,7 @@ pub(crate) fn assemble(animation: &Animation, classes: &[Classified], clips: &[u
     let mut model = Model::default();
     let skeleton = skeleton::add_skeleton(&mut model, animation, classes)?;
     let sets = geometry::add_geometry(&mut model, animation, classes, &skeleton)?;
-    clips::add_clips(&mut model, animation, clips, &skeleton, &sets)?;
+    clips::add_clips(&mut model, animation, clips, &skeleton, &sets, &vec![NONE; animation.caches.len()])?;
     Ok(Assembled {
         model,
         bones_of_part: skeleton.bones_of_part,

@@ -21,6 +21,36 @@ pub struct Animation {
     pub clips: Vec<Clip>,
     /// What the scene shows, in the order of the source's nodes.
     pub parts: Vec<Part>,
+    /// All vertex caches; an index here is the cache's number in the source.
+    pub caches: Vec<VertexCache>,
+    /// Import options that changed what is here, as name and value: they are part of the bake's options.
+    pub import_options: Vec<(String, String)>,
+}
+
+/// A vertex cache: where every point is in every frame. A clip plays it by a channel of [`ChannelTarget::Frame`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct VertexCache {
+    /// Points of one frame; at least one.
+    pub point_count: usize,
+    /// Positions in the space of the part's node, frame after frame: at least one frame of `point_count` points.
+    pub positions: Vec<[f32; 3]>,
+}
+
+impl VertexCache {
+    /// Number of frames.
+    #[must_use]
+    pub fn frame_count(&self) -> usize {
+        self.positions.len() / self.point_count.max(1)
+    }
+
+    /// The points of one frame.
+    ///
+    /// # Panics
+    /// When there is no such frame.
+    #[must_use]
+    pub fn frame(&self, frame: usize) -> &[[f32; 3]] {
+        &self.positions[frame * self.point_count..][..self.point_count]
+    }
 }
 
 /// A node of the scene graph.
@@ -61,6 +91,8 @@ pub struct Primitive {
     pub influences: Vec<Vec<Influence>>,
     /// Per morph target, the displacement of each vertex.
     pub morph_targets: Vec<Vec<[f32; 3]>>,
+    /// Per vertex, its point in the part's vertex cache, whose first frame is `positions`; empty without a cache.
+    pub points: Vec<u32>,
 }
 
 /// The weight of one joint on one vertex.
@@ -107,7 +139,7 @@ impl Clip {
 /// One animated property.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// Node that it moves.
+    /// Node that it moves; the vertex cache for [`ChannelTarget::Frame`].
     pub node: usize,
     /// Property that it moves.
     pub target: ChannelTarget,
@@ -133,4 +165,7 @@ pub struct Part {
     pub mesh: usize,
     /// Skin. Where it is set every vertex has influences, and the node's own transform is ignored (glTF 2.0 §3.7.3.3).
     pub skin: Option<usize>,
+    /// Vertex cache that gives the vertices' positions in every frame. No part has both a cache and a skin or morph
+    /// targets.
+    pub cache: Option<usize>,
 }

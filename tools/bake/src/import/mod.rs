@@ -13,7 +13,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-pub use animation::{Animation, Channel, ChannelTarget, Clip, Influence, Local, Mesh, Node, Part, Primitive, Skin};
+pub use animation::{Animation, Channel, ChannelTarget, Clip, Influence, Local, Mesh, Node, Part, Primitive, Skin, VertexCache};
 pub use fault::{Fault, ImportError, Severity};
 pub use gltf::import_gltf_bytes;
 pub use magnitude::MAX_MAGNITUDE;

@@ -14,13 +14,13 @@ impl Moving {
         let mut nodes = vec![false; animation.nodes.len()];
         let mut morphs = nodes.clone();
         for channel in clips.iter().flat_map(|clip| &animation.clips[*clip].channels) {
-            let weights = channel.target == ChannelTarget::Weights;
-            if !holds_still(animation, channel) {
-                if weights {
-                    morphs[channel.node] = true
-                } else {
-                    nodes[channel.node] = true
-                }
+            if holds_still(animation, channel) {
+                continue;
+            }
+            match channel.target {
+                ChannelTarget::Frame => {}
+                ChannelTarget::Weights => morphs[channel.node] = true,
+                _ => nodes[channel.node] = true,
             }
         }
         for node in parents_first(animation) {
@@ -56,13 +56,16 @@ pub(crate) fn parents_first(animation: &Animation) -> Vec<usize> {
 
 /// True when a channel only repeats what the node has without it.
 fn holds_still(animation: &Animation, channel: &Channel) -> bool {
+    if channel.target == ChannelTarget::Frame {
+        return channel.values.iter().all(|frame| *frame == 0.0);
+    }
     let node = &animation.nodes[channel.node];
     let unset: &[f32] = match (&node.local, channel.target) {
         (_, ChannelTarget::Weights) => &node.weights,
         (Local::Trs { translation, .. }, ChannelTarget::Translation) => translation,
         (Local::Trs { rotation, .. }, ChannelTarget::Rotation) => rotation,
         (Local::Trs { scale, .. }, ChannelTarget::Scale) => scale,
-        (Local::Matrix(_), _) => return false,
+        (Local::Matrix(_), _) | (_, ChannelTarget::Frame) => return false,
     };
     if unset.is_empty() {
         return true;

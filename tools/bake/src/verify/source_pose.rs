@@ -21,6 +21,8 @@ pub struct SourcePose<'a> {
     order: Vec<usize>,
     worlds: Vec<DAffine3>,
     weights: Vec<Vec<f64>>,
+    /// Per vertex cache: its frame.
+    frames: Vec<f64>,
 }
 
 impl<'a> SourcePose<'a> {
@@ -52,6 +54,7 @@ impl<'a> SourcePose<'a> {
             order: parents_first(animation),
             worlds: vec![DAffine3::IDENTITY; animation.nodes.len()],
             weights: vec![Vec::new(); animation.nodes.len()],
+            frames: vec![0.0; animation.caches.len()],
         }
     }
 
@@ -95,13 +98,15 @@ impl<'a> SourcePose<'a> {
             weights.clear();
             weights.extend(node.weights.iter().map(|weight| f64::from(*weight)));
         }
+        self.frames.fill(0.0);
         for channel in clip.into_iter().flat_map(|clip| &animation.clips[clip].channels) {
-            let local = &mut locals[channel.node];
+            let value = value(channel, seconds);
             match channel.target {
-                ChannelTarget::Translation => local.translation = DVec3::from_slice(&value(channel, seconds)),
-                ChannelTarget::Scale => local.scale = DVec3::from_slice(&value(channel, seconds)),
-                ChannelTarget::Rotation => local.rotation = DQuat::from_slice(&value(channel, seconds)),
-                ChannelTarget::Weights => self.weights[channel.node] = value(channel, seconds),
+                ChannelTarget::Translation => locals[channel.node].translation = DVec3::from_slice(&value),
+                ChannelTarget::Scale => locals[channel.node].scale = DVec3::from_slice(&value),
+                ChannelTarget::Rotation => locals[channel.node].rotation = DQuat::from_slice(&value),
+                ChannelTarget::Weights => self.weights[channel.node] = value,
+                ChannelTarget::Frame => self.frames[channel.node] = value[0],
             }
         }
         for node in self.order.iter().copied() {
@@ -115,6 +120,15 @@ impl<'a> SourcePose<'a> {
     fn vertex(&self, part: &Part, primitive: usize, vertex: usize) -> DVec3 {
         let primitive = &self.animation.meshes[part.mesh].primitives[primitive];
         let point = |p: [f32; 3]| DVec3::from(p.map(f64::from));
+        if let Some(cache) = part.cache {
+            let cache = &self.animation.caches[cache];
+            let at = primitive.points[vertex] as usize;
+            let frame = self.frames[part.cache.unwrap_or(0)].clamp(0.0, (cache.frame_count() - 1) as f64);
+            let before = frame.floor();
+            let [a, b] = [before, (before + 1.0).min((cache.frame_count() - 1) as f64)]
+                .map(|frame| point(cache.frame(frame as usize)[at]));
+            return self.worlds[part.node].transform_point3(a + (b - a) * (frame - before));
+        }
         let mut p = point(primitive.positions[vertex]);
         for (target, weight) in primitive.morph_targets.iter().zip(&self.weights[part.node]) {
             p += *weight * point(target[vertex]);

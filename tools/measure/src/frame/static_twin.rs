@@ -47,6 +47,7 @@ impl StaticTwin {
                 node: 0,
                 mesh: 0,
                 skin: None,
+                cache: None,
             }],
             ..Animation::default()
         };

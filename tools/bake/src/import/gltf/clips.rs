@@ -97,6 +97,7 @@ impl ClipReader<'_> {
                 .and_then(|mesh| self.target_counts.get(mesh.0))
                 .copied()
                 .unwrap_or(0),
+            ChannelTarget::Frame => 1,
         };
         if width == 0 {
             faults.warn(
@@ -185,7 +186,7 @@ impl ClipReader<'_> {
                 .accessors
                 .floats::<4>(sampler.output, Numbers::Normalized, at)?
                 .into_flattened(),
-            ChannelTarget::Weights => self
+            ChannelTarget::Weights | ChannelTarget::Frame => self
                 .accessors
                 .floats::<1>(sampler.output, Numbers::Normalized, at)?
                 .into_flattened(),

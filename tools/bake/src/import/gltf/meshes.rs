@@ -149,6 +149,7 @@ impl PrimitiveReader<'_> {
             triangles,
             influences: influences?,
             morph_targets: morph_targets?,
+            points: Vec::new(),
         })
     }
 

@@ -41,6 +41,7 @@ pub(super) fn read(
             name: name.cloned().unwrap_or_else(|| format!("node {number}")),
             node: number,
             mesh: mesh_number.0,
+            cache: None,
         });
     }
     warn_about_unused_joints(document, faults);
