@@ -1,8 +1,9 @@
 use crate::{
     Meta,
     rows::{
-        BoneRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterRow, InfluenceRow, KdNodeRow, MorphDeltaRow, MorphSetRow,
-        MorphTargetRow, NodeRow, PartRow, PrimitiveRow, SampleRow, TriangleRow, VertexRow,
+        BoneRow, CacheRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterRow, InfluenceRow, KdNodeRow, KeyRow,
+        KeyVertexRow, MorphDeltaRow, MorphSetRow, MorphTargetRow, NodeRow, PartRow, PrimitiveRow, SampleRow,
+        SegmentRow, TrackRow, TriangleRow, VertexRow,
     },
 };
 
@@ -122,7 +123,19 @@ sections! {
     key_values: f32,
     /// Poses from which the fuzzy boxes were made.
     samples: SampleRow,
-    /// Clusters.
+    /// Vertex caches, one per part that has one.
+    caches: CacheRow,
+    /// Time segments of all caches.
+    segments: SegmentRow,
+    /// Tracks of all segments.
+    tracks: TrackRow,
+    /// Key frames of all tracks.
+    keys: KeyRow,
+    /// Vertices of all segments.
+    key_vertices: KeyVertexRow,
+    /// Positions of all key vertices, then closing words; empty without caches.
+    key_words: u32,
+    /// Clusters: those without a track, then those of each segment.
     clusters: ClusterRow,
     /// Bones that move each cluster's vertices.
     cluster_bones: ClusterBoneRow,

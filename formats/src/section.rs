@@ -1,6 +1,7 @@
 use crate::rows::{
-    BoneRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterRow, InfluenceRow, KdNodeRow, MorphDeltaRow, MorphSetRow,
-    MorphTargetRow, NodeRow, PartRow, PrimitiveRow, SampleRow, TriangleRow, VertexRow,
+    BoneRow, CacheRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterRow, InfluenceRow, KdNodeRow, KeyRow, KeyVertexRow,
+    MorphDeltaRow, MorphSetRow, MorphTargetRow, NodeRow, PartRow, PrimitiveRow, SampleRow, SegmentRow, TrackRow,
+    TriangleRow, VertexRow,
 };
 use bytemuck::{Pod, Zeroable};
 use std::fmt;
@@ -58,6 +59,12 @@ section_kinds! {
     KeyTimes b"KTIM" f32: "Key times.",
     KeyValues b"KVAL" f32: "Key values.",
     Samples b"SAMP" SampleRow: "Sampled poses.",
+    Caches b"CACH" CacheRow: "Vertex caches.",
+    Segments b"SEGM" SegmentRow: "Time segments of the caches.",
+    Tracks b"TRAK" TrackRow: "Tracks.",
+    Keys b"KEYF" KeyRow: "Tracks in key frames.",
+    KeyVertices b"KVRT" KeyVertexRow: "Vertices of the caches, per segment.",
+    KeyWords b"KWRD" u32: "Positions of the caches' vertices.",
     Clusters b"CLUS" ClusterRow: "Clusters.",
     ClusterBones b"CBON" ClusterBoneRow: "Cluster bones.",
     KdNodes b"KDND" KdNodeRow: "Nodes of the fuzzy trees.",

@@ -7,22 +7,26 @@ use std::fmt;
 /// section or an optional-feature bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum FormatVersion {
-    /// Static, rigid and skinned parts, morph targets, clips, fuzzy kd-trees over sampled boxes.
+    /// Static, rigid and skinned parts, morph targets, clips, fuzzy kd-trees over sampled boxes. Written by no release,
+    /// and no longer read.
     V1_0,
+    /// Adds vertex caches, with their tracks and time segments.
+    V1_1,
 }
 
 impl FormatVersion {
     /// What this library writes.
-    pub const LATEST: Self = Self::V1_0;
+    pub const LATEST: Self = Self::V1_1;
 
     /// What this library reads.
-    pub const READABLE: &'static [Self] = &[Self::V1_0];
+    pub const READABLE: &'static [Self] = &[Self::V1_1];
 
     /// Major and minor number.
     #[must_use]
     pub fn numbers(self) -> (u16, u16) {
         match self {
             Self::V1_0 => (1, 0),
+            Self::V1_1 => (1, 1),
         }
     }
 

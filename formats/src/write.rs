@@ -90,7 +90,7 @@ fn place(kind: SectionKind, bytes: &[u8], end: u64) -> Option<SectionEntry> {
 }
 
 /// The sections in file order. A new field of the model that is not written here does not compile.
-fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKind, &'a [u8]); 21] {
+fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKind, &'a [u8]); 27] {
     let ModelView {
         hashes: _,
         meta: _,
@@ -110,6 +110,12 @@ fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKin
         key_times,
         key_values,
         samples,
+        caches,
+        segments,
+        tracks,
+        keys,
+        key_vertices,
+        key_words,
         clusters,
         cluster_bones,
         kd_nodes,
@@ -133,6 +139,12 @@ fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKin
         (SectionKind::KeyTimes, cast_slice(key_times)),
         (SectionKind::KeyValues, cast_slice(key_values)),
         (SectionKind::Samples, cast_slice(samples)),
+        (SectionKind::Caches, cast_slice(caches)),
+        (SectionKind::Segments, cast_slice(segments)),
+        (SectionKind::Tracks, cast_slice(tracks)),
+        (SectionKind::Keys, cast_slice(keys)),
+        (SectionKind::KeyVertices, cast_slice(key_vertices)),
+        (SectionKind::KeyWords, cast_slice(key_words)),
         (SectionKind::Clusters, cast_slice(clusters)),
         (SectionKind::ClusterBones, cast_slice(cluster_bones)),
         (SectionKind::KdNodes, cast_slice(kd_nodes)),

@@ -36,7 +36,7 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
 
 fn check_fields(view: &ModelView<'_>, at: usize, cluster: &ClusterRow) -> Result<(), FormatError> {
     let section = SectionKind::Clusters;
-    reserved(section, at, "reserved", &cluster.reserved)?;
+    reserved(section, at, "reserved", &[cluster.reserved])?;
     index(section, at, "bone", cluster.bone, view.bones.len())?;
     if cluster.node_count == 0 {
         return Err(row(section, at, RowFault::EmptyRange { field: "node_count" }));

@@ -40,7 +40,6 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
 
 fn check_fields(view: &ModelView<'_>, at: usize, part: &PartRow) -> Result<(), FormatError> {
     let section = SectionKind::Parts;
-    reserved(section, at, "reserved", &[part.reserved])?;
     if MotionClass::from_number(part.class).is_none() {
         let limit = MotionClass::ALL.len() as u32;
         let fault = RowFault::UnknownNumber {

@@ -32,7 +32,13 @@ pub enum Path {
 
 impl Path {
     /// All paths, in the order of their numbers.
-    pub const ALL: [Self; 5] = [Self::Translation, Self::Rotation, Self::Scale, Self::Weights, Self::Frame];
+    pub const ALL: [Self; 5] = [
+        Self::Translation,
+        Self::Rotation,
+        Self::Scale,
+        Self::Weights,
+        Self::Frame,
+    ];
 
     /// The path with this number.
     #[must_use]

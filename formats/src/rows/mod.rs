@@ -2,6 +2,7 @@
 //!
 //! Indices count rows of the section named in the field's text; [`NONE`] marks an absent index.
 
+mod cache;
 mod clip;
 mod cluster;
 mod kd_node;
@@ -10,6 +11,7 @@ mod part;
 mod skeleton;
 mod vertex;
 
+pub use cache::{CacheRow, KeyRow, KeyVertexRow, SegmentRow, TrackRow};
 pub use clip::{ChannelRow, ClipRow, Interpolation, Path, SampleRow};
 pub use cluster::{ClusterBoneRow, ClusterRow};
 pub use kd_node::{KdNode, KdNodeRow, MAX_KD_DEPTH};

@@ -10,11 +10,15 @@ pub enum MotionClass {
     Rigid = 1,
     /// Some vertex blends several bones, or morphs.
     Skinned = 2,
+    /// A vertex cache moves the vertices, coherently enough for clusters with fuzzy trees.
+    Keyframed = 3,
+    /// A vertex cache moves the vertices; its tree is built afresh in every frame.
+    Free = 4,
 }
 
 impl MotionClass {
     /// All classes, in the order of their numbers.
-    pub const ALL: [Self; 3] = [Self::Static, Self::Rigid, Self::Skinned];
+    pub const ALL: [Self; 5] = [Self::Static, Self::Rigid, Self::Skinned, Self::Keyframed, Self::Free];
 
     /// The class with this number.
     #[must_use]
@@ -29,6 +33,8 @@ impl MotionClass {
             Self::Static => "static",
             Self::Rigid => "rigid",
             Self::Skinned => "skinned",
+            Self::Keyframed => "keyframed",
+            Self::Free => "free",
         }
     }
 }
@@ -59,8 +65,8 @@ pub struct PartRow {
     pub primitive_count: u32,
     /// Morph set row that moves this part's vertices, or `NONE`.
     pub morph_set: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// Cache row that moves this part's vertices, or `NONE`.
+    pub cache: u32,
 }
 
 /// One primitive of a part's mesh.

@@ -3,7 +3,7 @@ use rayon::prelude::*;
 use restpose_formats::{
     Model,
     geom::Aabb,
-    rows::{ClusterBoneRow, ClusterRow},
+    rows::{ClusterBoneRow, ClusterRow, NONE},
 };
 use restpose_runtime::build::{KdBuilder, KdSettings, KdTree};
 
@@ -48,7 +48,8 @@ pub(crate) fn add_clusters(
             cluster_bone_count: row_count("cluster bones", cluster_bones.len())?,
             triangle_count: row_count("triangles", group.len())?,
             bounds_local: tree.bounds,
-            reserved: [0; 2],
+            track: NONE,
+            reserved: 0,
         });
         model.kd_nodes.extend_from_slice(&tree.nodes);
         model

@@ -40,7 +40,7 @@ pub(crate) fn add_geometry(
             primitive_first: row_count("primitives", model.primitives.len())?,
             primitive_count: row_count("primitives", mesh.primitives.len())?,
             morph_set: if class.morphs { sets[part.node] } else { NONE },
-            reserved: 0,
+            cache: NONE,
         };
         let target_first = if class.morphs {
             model.morph_sets[row.morph_set as usize].target_first

@@ -21,7 +21,14 @@ pub(crate) fn assemble(animation: &Animation, classes: &[Classified], clips: &[u
     let mut model = Model::default();
     let skeleton = skeleton::add_skeleton(&mut model, animation, classes)?;
     let sets = geometry::add_geometry(&mut model, animation, classes, &skeleton)?;
-    clips::add_clips(&mut model, animation, clips, &skeleton, &sets, &vec![NONE; animation.caches.len()])?;
+    clips::add_clips(
+        &mut model,
+        animation,
+        clips,
+        &skeleton,
+        &sets,
+        &vec![NONE; animation.caches.len()],
+    )?;
     Ok(Assembled {
         model,
         bones_of_part: skeleton.bones_of_part,
