@@ -1,6 +1,9 @@
 #![expect(unsafe_code, reason = "passes the promise of `map` on to its caller")]
 
-use crate::{OpenError, cluster_frame::vertex_error, map::StoredModel, vertex::rounding_count};
+use crate::{
+    OpenError, cache::CACHE_ROUNDINGS, cluster_frame::vertex_error as vertex_error_of, map::StoredModel,
+    vertex::rounding_count,
+};
 use restpose_formats::{FormatError, ModelView};
 use std::{io, path::Path};
 
@@ -8,6 +11,7 @@ use std::{io, path::Path};
 pub struct Asset {
     model: StoredModel,
     vertex_error: f64,
+    cache_vertex_error: f64,
 }
 
 impl Asset {
@@ -56,8 +60,13 @@ impl Asset {
     }
 
     fn new(model: StoredModel) -> Self {
-        let vertex_error = vertex_error(rounding_count(model.view()));
-        Self { model, vertex_error }
+        let vertex_error = vertex_error_of(rounding_count(model.view()));
+        let cache_vertex_error = vertex_error_of(CACHE_ROUNDINGS);
+        Self {
+            model,
+            vertex_error,
+            cache_vertex_error,
+        }
     }
 
     /// Everything in the file.
@@ -82,6 +91,11 @@ impl Asset {
     /// Bound of a posed vertex's rounding error, relative to `|X|·|p| + |t|`.
     pub(crate) fn vertex_error(&self) -> f64 {
         self.vertex_error
+    }
+
+    /// The same for a vertex of a cache.
+    pub(crate) fn cache_vertex_error(&self) -> f64 {
+        self.cache_vertex_error
     }
 }
 

@@ -9,9 +9,12 @@
 //! position and what traversal computes:
 //!
 //! 1. *Palette.* With an instance transform T, `X = fl(T·X°)` differs from the exact product by at most u·N, where
-//!    N = |X| + 2⁻²⁶·|T||X°| also covers the `f64` arithmetic. Likewise each `Xᵢ`.
+//!    N = |X| + 2⁻²⁴·|T||X°| also covers the `f64` arithmetic. Likewise each `Xᵢ`.
 //! 2. *Vertex function.* `|v̂ − Σ w T Xᵢ° p| ≤ (u + γₙ)·E` with E the greatest `N·P` over the cluster's bones, P the
-//!    greatest `|p|` that a bone moves. Weights sum to exactly one, so `Σ w T Xᵢ° p = T X° q`.
+//!    greatest `|p|` that a bone moves. Weights sum to exactly one, so `Σ w T Xᵢ° p = T X° q`. A vertex of a cache is
+//!    the same with two maps, those of its track at the keys around the frame, and their weights already in them: E is
+//!    the sum of both `N·P`, P the greatest stored numbers. X° is then the bone's map times the blend of the cluster's
+//!    own track, and q lies in the boxes for every blend (the baker's `key_boxes`).
 //! 3. *Inverse.* `L(X q + t − c_w) + c_l = q + R(q)`, and R is evaluated after the fact, so nothing is assumed of how
 //!    the inverse was found.
 //! 4. *Triangle test.* A hit is an exact hit of a triangle moved by [`VERTEX_ERROR`]·D per axis, D the greatest
@@ -28,12 +31,9 @@
 //! length, because the geometry, too, is uncertain by one.
 
 use crate::triangle::VERTEX_ERROR;
-use restpose_formats::{
-    geom::{
-        Aabb, Affine,
-        round::{UNIT_ROUNDOFF, f32_above, f32_below, gamma},
-    },
-    rows::ClusterRow,
+use restpose_formats::geom::{
+    Aabb, Affine,
+    round::{UNIT_ROUNDOFF, f32_above, f32_below, gamma},
 };
 
 /// Cluster frames whose linear part has a greater condition number (Frobenius) are not inverted.
@@ -64,7 +64,11 @@ const UNDERFLOW_FLOOR: f64 = 1.0 / (1u128 << 116) as f64 * UNIT_ROUNDOFF;
 
 /// 2⁻¹²⁶. Below it a rounding is no longer relative to its number; adding it to a magnitude makes u times the magnitude
 /// a bound again, for up to 2²⁴·2⁻¹⁵⁰.
-const SMALLEST_NORMAL: f64 = f32::MIN_POSITIVE as f64;
+pub(crate) const SMALLEST_NORMAL: f64 = f32::MIN_POSITIVE as f64;
+
+/// 2⁻²⁴: times u it bounds the roundings of up to sixteen operations in `f64`, which a product of an instance transform,
+/// a bone's map, a blend of two keys and a lattice stays below.
+const F64_CHAIN: f64 = UNIT_ROUNDOFF;
 
 /// Relative slack for sums that bound something in `f64`: a few hundred roundings of 2⁻⁵³.
 const F64_SLACK: f64 = 1.0 / (1u64 << 44) as f64;
@@ -94,47 +98,113 @@ pub fn invert_frame(frame: &Affine) -> Option<[[f64; 3]; 3]> {
     usable.then_some(inverse)
 }
 
-/// A bone in this frame.
+/// An affine map in `f64`, with bounds of the magnitudes that entered its entries.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PosedBone {
+pub(crate) struct Map64 {
+    columns: [[f64; 3]; 4],
+    magnitudes: [[f64; 3]; 4],
+}
+
+impl Map64 {
+    /// A stored map, exactly.
+    pub(crate) fn new(map: &Affine) -> Self {
+        let columns = map.columns.map(|column| column.map(f64::from));
+        let magnitudes = columns.map(|column| column.map(f64::abs));
+        Self { columns, magnitudes }
+    }
+
+    /// `q ↦ origin + step·q`, exactly.
+    pub(crate) fn lattice(origin: [f32; 3], step: f32) -> Self {
+        Self::new(&Affine {
+            columns: [[step, 0.0, 0.0], [0.0, step, 0.0], [0.0, 0.0, step], origin],
+        })
+    }
+
+    /// `Σ weight·map` over two maps; weights are not negative.
+    pub(crate) fn blend(weights: [f64; 2], maps: &[Self; 2]) -> Self {
+        let mix = |of: fn(&Self) -> &[[f64; 3]; 4]| {
+            let [a, b] = maps.each_ref().map(of);
+            std::array::from_fn(|j| std::array::from_fn(|k| weights[0] * a[j][k] + weights[1] * b[j][k]))
+        };
+        Self {
+            columns: mix(|map| &map.columns),
+            magnitudes: mix(|map| &map.magnitudes),
+        }
+    }
+
+    /// `weight·(a after b)`: the image of a point is `weight` times its image under the product.
+    pub(crate) fn weighted_product(weight: f64, a: &Self, b: &Self) -> Self {
+        let mut out = product(a, b);
+        for entry in out.columns.iter_mut().chain(&mut out.magnitudes).flatten() {
+            *entry *= weight;
+        }
+        out
+    }
+}
+
+/// `a` after `b`.
+fn product(a: &Map64, b: &Map64) -> Map64 {
+    let entry = |a: &[[f64; 3]; 4], b: &[[f64; 3]; 4], j: usize, k: usize| {
+        let offset = if j == 3 { a[3][k] } else { 0.0 };
+        a[0][k] * b[j][0] + a[1][k] * b[j][1] + a[2][k] * b[j][2] + offset
+    };
+    let all = |a: &[[f64; 3]; 4], b: &[[f64; 3]; 4]| -> [[f64; 3]; 4] {
+        std::array::from_fn(|j| std::array::from_fn(|k| entry(a, b, j, k)))
+    };
+    Map64 {
+        columns: all(&a.columns, &b.columns),
+        magnitudes: all(&a.magnitudes, &b.magnitudes),
+    }
+}
+
+/// A map to world space, rounded to `f32` once.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PosedMap {
+    pub map: Affine,
     /// N of point 1: bounds `|X|` and, times u, the error of X.
     magnitude: [[f64; 3]; 4],
 }
 
-/// Multiplies the palette by the instance transform; `bones` and `posed` have one entry per bone row.
-pub(crate) fn pose_bones(transform: &Affine, palette: &[Affine], posed: &mut [Affine], bones: &mut [PosedBone]) {
-    let identity = *transform == Affine::IDENTITY;
-    let t = transform.columns.map(|column| column.map(f64::from));
-    for ((x, out), bone) in palette.iter().zip(posed).zip(bones) {
-        let x = x.columns.map(|column| column.map(f64::from));
-        let mut magnitude = [[0.0; 3]; 4];
-        for j in 0..4 {
-            for k in 0..3 {
-                let (mut sum, mut bound) = (x[j][k], 0.0);
-                if !identity {
-                    let offset = if j == 3 { t[3][k] } else { 0.0 };
-                    sum = t[0][k] * x[j][0] + t[1][k] * x[j][1] + t[2][k] * x[j][2] + offset;
-                    bound = t[0][k].abs() * x[j][0].abs()
-                        + t[1][k].abs() * x[j][1].abs()
-                        + t[2][k].abs() * x[j][2].abs()
-                        + offset.abs();
-                }
-                out.columns[j][k] = sum as f32;
-                // A subnormal entry is rounded by up to 2⁻¹⁵⁰, which is u times the last term.
-                magnitude[j][k] = f64::from(out.columns[j][k].abs()) + bound / f64::from(1u32 << 26) + SMALLEST_NORMAL;
-            }
-        }
-        bone.magnitude = magnitude;
-    }
-}
-
-impl PosedBone {
+impl PosedMap {
     pub(crate) const ZERO: Self = Self {
+        map: Affine::IDENTITY,
         magnitude: [[0.0; 3]; 4],
     };
 
+    /// The product of maps, the first one applied last.
+    ///
+    /// Complexity: identities are left out, which keeps them exact and the bound small.
+    pub(crate) fn product(maps: &[&Map64]) -> Self {
+        let identity = Affine::IDENTITY.columns.map(|column| column.map(f64::from));
+        let mut chain = maps.iter().rev().filter(|map| map.columns != identity);
+        let Some(last) = chain.next() else {
+            return Self::rounded(&Map64::new(&Affine::IDENTITY), false);
+        };
+        let (mut total, mut several) = (**last, false);
+        for map in chain {
+            total = product(map, &total);
+            several = true;
+        }
+        Self::rounded(&total, several || maps.len() > 2)
+    }
+
+    /// `inexact` where the columns come out of `f64` arithmetic.
+    fn rounded(exact: &Map64, inexact: bool) -> Self {
+        let mut out = Self::ZERO;
+        for j in 0..4 {
+            for k in 0..3 {
+                let rounded = exact.columns[j][k] as f32;
+                out.map.columns[j][k] = rounded;
+                let bound = if inexact { exact.magnitudes[j][k] } else { 0.0 };
+                // A subnormal entry is rounded by up to 2⁻¹⁵⁰, which is u times the last term.
+                out.magnitude[j][k] = f64::from(rounded.abs()) + bound * F64_CHAIN + SMALLEST_NORMAL;
+            }
+        }
+        out
+    }
+
     /// `N·(|p|, 1)` for points with `|p| ≤ extent`.
-    fn reach(&self, extent: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn reach(&self, extent: [f64; 3]) -> [f64; 3] {
         let m = &self.magnitude;
         std::array::from_fn(|k| m[0][k] * extent[0] + m[1][k] * extent[1] + m[2][k] * extent[2] + m[3][k])
     }
@@ -145,8 +215,18 @@ impl PosedBone {
 pub(crate) struct ClusterFrame {
     /// Contains every posed vertex of the cluster.
     pub bounds_world: Aabb,
-    /// The way into local space; `None` where the cluster frame has no usable inverse.
-    pub local: Option<LocalFrame>,
+    pub way: Way,
+}
+
+/// How a ray finds a cluster's triangles.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Way {
+    /// By the cluster's fuzzy tree, in local space.
+    Local(LocalFrame),
+    /// By a tree that was built for this frame: its place among the instance's.
+    Posed(u32),
+    /// One by one: the cluster frame has no usable inverse.
+    Exhaustive,
 }
 
 /// `x ↦ linear·(x − center_world) + center_local`, and the margins that go with it.
@@ -165,17 +245,18 @@ pub(crate) struct LocalFrame {
 /// Range in which [`gamma`] is a bound.
 const MOST_ROUNDINGS: u32 = 1 << 20;
 
-/// What [`ClusterFrame::new`] needs beside the cluster's own row.
-pub(crate) struct FramePose<'a> {
-    /// Asset from rest, per bone row.
-    pub palette: &'a [Affine],
-    /// World from rest, per bone row.
-    pub posed: &'a [Affine],
-    pub bones: &'a [PosedBone],
-    /// u + γₙ of the asset's vertex function.
+/// What [`ClusterFrame::new`] needs.
+pub(crate) struct FrameInputs<'a> {
+    /// The cluster frame: world from local space.
+    pub frame: &'a PosedMap,
+    /// Box around the cluster's fuzzy boxes, local space.
+    pub bounds_local: &'a Aabb,
+    /// E of point 2.
+    pub reach: [f64; 3],
+    /// u + γₙ of the vertex function.
     pub vertex_error: f64,
-    /// `Σ |weight|·extent` over the morph targets, per axis.
-    pub morph_extent: [f64; 3],
+    /// A second box around the cluster's exact vertices and the map of it to world space, where there is one.
+    pub bounds: Option<(&'a Aabb, &'a PosedMap)>,
 }
 
 /// Relative error of the vertex function and of the palette entries that it reads, from
@@ -191,51 +272,33 @@ pub(crate) fn vertex_error(roundings: u32) -> f64 {
 
 impl ClusterFrame {
     /// The frame of a cluster, or `None` where it has no usable inverse and must be bounded by its vertices.
-    ///
-    /// `cluster_bones` are the extents of the cluster's bones as (bone, extent).
-    pub(crate) fn new<'b>(
-        cluster: &ClusterRow,
-        cluster_bones: impl Iterator<Item = (usize, &'b [f32; 3])>,
-        pose: &FramePose,
-    ) -> Option<Self> {
-        let frame = &pose.posed[cluster.bone as usize];
+    pub(crate) fn new(inputs: &FrameInputs) -> Option<Self> {
+        let frame = &inputs.frame.map;
         let inverse = invert_frame(frame)?;
-        // The baker judged samples without an instance transform; what it left out must not be traced here either.
-        invert_frame(&pose.palette[cluster.bone as usize])?;
-        let bone = &pose.bones[cluster.bone as usize];
         let x = frame.columns.map(|column| column.map(f64::from));
-        let (min, max) = (
-            cluster.bounds_local.min.map(f64::from),
-            cluster.bounds_local.max.map(f64::from),
-        );
-        let center: [f64; 3] = std::array::from_fn(|k| 0.5 * (min[k] + max[k]));
-        let half: [f64; 3] = std::array::from_fn(|k| 0.5 * (max[k] - min[k]));
-        let extent: [f64; 3] = std::array::from_fn(|k| min[k].abs().max(max[k].abs()));
-
-        let mut reach = [0.0f64; 3];
-        for (bone, extent) in cluster_bones {
-            // A morph that underflows is off by up to 2⁻¹⁵⁰ before the bone enlarges it: u times the last term.
-            let extent = std::array::from_fn(|k| f64::from(extent[k]) + pose.morph_extent[k] + SMALLEST_NORMAL);
-            let moved = pose.bones[bone].reach(extent);
-            reach = std::array::from_fn(|k| reach[k].max(moved[k]));
-        }
-        if extent.iter().any(|x| *x > EXTENT_LIMIT) {
+        let local = Extents::new(inputs.bounds_local);
+        if local.reach.iter().any(|x| *x > EXTENT_LIMIT) {
             return None;
         }
-        let frame_reach = bone.reach(extent);
+        let extent = local.reach;
+        let frame_reach = inputs.frame.reach(extent);
         // Points 1 and 2, per world axis.
-        let vertex_error: [f64; 3] =
-            std::array::from_fn(|k| UNIT_ROUNDOFF * frame_reach[k] + pose.vertex_error * reach[k] + UNDERFLOW_FLOOR);
-
-        let mut bounds_world = Aabb::EMPTY;
-        let mut center_world = [0.0f32; 3];
-        for k in 0..3 {
-            let middle = x[0][k] * center[0] + x[1][k] * center[1] + x[2][k] * center[2] + x[3][k];
-            let spread = x[0][k].abs() * half[0] + x[1][k].abs() * half[1] + x[2][k].abs() * half[2];
-            let spread = spread + vertex_error[k] + F64_SLACK * frame_reach[k];
-            center_world[k] = middle as f32;
-            bounds_world.min[k] = f32_below(middle - spread).min(center_world[k]);
-            bounds_world.max[k] = f32_above(middle + spread).max(center_world[k]);
+        let vertex_error: [f64; 3] = std::array::from_fn(|k| {
+            UNIT_ROUNDOFF * frame_reach[k] + inputs.vertex_error * inputs.reach[k] + UNDERFLOW_FLOOR
+        });
+        let mut bounds_world = local.world_box(inputs.frame, vertex_error);
+        if let Some((bounds, map)) = inputs.bounds {
+            let bounds = Extents::new(bounds);
+            let rounding = map.reach(bounds.reach);
+            let error = std::array::from_fn(|k| vertex_error[k] + UNIT_ROUNDOFF * rounding[k]);
+            bounds_world = overlap(bounds_world, bounds.world_box(map, error));
+        }
+        let center = bounds_world.center();
+        // Halving a subnormal can leave the box.
+        let center_world: [f32; 3] =
+            std::array::from_fn(|k| center[k].max(bounds_world.min[k]).min(bounds_world.max[k]));
+        if !center_world.iter().all(|x| x.is_finite()) {
+            return None;
         }
 
         let linear = inverse.map(|row| row.map(|entry| entry as f32));
@@ -287,9 +350,55 @@ impl ClusterFrame {
             .all(|m| m.is_finite());
         finite.then_some(Self {
             bounds_world,
-            local: Some(local),
+            way: Way::Local(local),
         })
     }
+}
+
+/// A box by its middle and half its sides, in `f64`.
+struct Extents {
+    center: [f64; 3],
+    half: [f64; 3],
+    /// Greatest magnitude per axis.
+    reach: [f64; 3],
+}
+
+impl Extents {
+    fn new(bounds: &Aabb) -> Self {
+        let (min, max) = (bounds.min.map(f64::from), bounds.max.map(f64::from));
+        Self {
+            center: std::array::from_fn(|k| 0.5 * (min[k] + max[k])),
+            half: std::array::from_fn(|k| 0.5 * (max[k] - min[k])),
+            reach: std::array::from_fn(|k| min[k].abs().max(max[k].abs())),
+        }
+    }
+
+    /// The box around the image of this one, widened by `error`.
+    fn world_box(&self, map: &PosedMap, error: [f64; 3]) -> Aabb {
+        let x = map.map.columns.map(|column| column.map(f64::from));
+        let reach = map.reach(self.reach);
+        let mut out = Aabb::EMPTY;
+        for k in 0..3 {
+            let middle = x[0][k] * self.center[0] + x[1][k] * self.center[1] + x[2][k] * self.center[2] + x[3][k];
+            let spread = x[0][k].abs() * self.half[0] + x[1][k].abs() * self.half[1] + x[2][k].abs() * self.half[2];
+            let spread = spread + error[k] + F64_SLACK * reach[k];
+            out.min[k] = f32_below(middle - spread);
+            out.max[k] = f32_above(middle + spread);
+        }
+        out
+    }
+}
+
+/// What two boxes that both contain something have in common.
+fn overlap(a: Aabb, b: Aabb) -> Aabb {
+    let mut out = a;
+    for k in 0..3 {
+        let (min, max) = (a.min[k].max(b.min[k]), a.max[k].min(b.max[k]));
+        if min <= max {
+            (out.min[k], out.max[k]) = (min, max);
+        }
+    }
+    out
 }
 
 /// `a·b` and `Σ|a||b|`.

@@ -59,6 +59,20 @@ pub enum PoseError {
         /// Weights given.
         found: usize,
     },
+    /// There is another number of cache frames than the asset has vertex caches.
+    #[error("{found} cache frames given, expected {expected}: one per cache row of the asset")]
+    CacheFramesLength {
+        /// Vertex caches of the asset.
+        expected: usize,
+        /// Frames given.
+        found: usize,
+    },
+    /// A cache frame is infinite or NaN.
+    #[error("the frame of cache {cache} is infinite or NaN")]
+    CacheFrameNotFinite {
+        /// Cache row.
+        cache: usize,
+    },
     /// A bone's map has an infinite or NaN entry.
     #[error("bone {bone} ({name}) has an infinite or NaN entry")]
     BoneNotFinite {

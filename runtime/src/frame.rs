@@ -1,7 +1,7 @@
 use crate::{
     Aabb, FrameStats, Hit, InstanceId, Ray, Scene, SurfacePoint, TraceCounters,
+    cluster_frame::Way,
     trace::{Stack, trace},
-    vertex::{pose_triangle, pose_vertex},
 };
 
 /// Rays of a batch that one task traces.
@@ -90,12 +90,7 @@ impl Frame<'_> {
     #[must_use]
     pub fn surface(&self, hit: &Hit) -> SurfacePoint {
         let instance = &self.scene.instances[hit.instance.index()];
-        let corners = pose_triangle(
-            instance.asset.model(),
-            &instance.posed,
-            &instance.morph_weights,
-            hit.triangle,
-        );
+        let corners = instance.pose_triangle(instance.cache_of_triangle(hit.triangle), hit.triangle);
         SurfacePoint::new(hit, instance, corners)
     }
 
@@ -105,7 +100,7 @@ impl Frame<'_> {
         let instance = self.scene.instances.get(instance.index())?;
         let model = instance.asset.model();
         (vertex as usize + 1 < model.vertices.len())
-            .then(|| pose_vertex(model, &instance.posed, &instance.morph_weights, vertex))
+            .then(|| instance.pose_vertex(instance.cache_of_vertex(vertex), vertex))
     }
 
     /// A posed triangle's corners in world space, by triangle row; `None` when there is no such instance or triangle.
@@ -114,18 +109,18 @@ impl Frame<'_> {
         let instance = self.scene.instances.get(instance.index())?;
         let model = instance.asset.model();
         ((triangle as usize) < model.triangles.len())
-            .then(|| pose_triangle(model, &instance.posed, &instance.morph_weights, triangle))
+            .then(|| instance.pose_triangle(instance.cache_of_triangle(triangle), triangle))
     }
 
     /// The clusters of all instances with their world boxes.
     pub fn clusters(&self) -> impl Iterator<Item = ClusterBounds> {
         self.scene.entries.iter().map(|entry| {
-            let frame = &self.scene.instances[entry.instance as usize].clusters[entry.cluster as usize];
+            let active = &self.scene.instances[entry.instance as usize].clusters[entry.slot as usize];
             ClusterBounds {
                 instance: InstanceId(entry.instance),
-                cluster: entry.cluster,
-                bounds_world: frame.bounds_world,
-                has_inverse: frame.local.is_some(),
+                cluster: active.row,
+                bounds_world: active.frame.bounds_world,
+                has_inverse: !matches!(active.frame.way, Way::Exhaustive),
             }
         })
     }

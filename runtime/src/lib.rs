@@ -31,12 +31,15 @@
 
 mod asset;
 pub mod build;
+mod cache;
 mod cluster_frame;
 mod error;
 mod frame;
 mod hit;
+mod instance;
 mod map;
 mod pose;
+mod posed_tree;
 mod ray;
 mod scene;
 mod stats;
@@ -50,7 +53,7 @@ pub use cluster_frame::invert_frame;
 pub use error::{OpenError, PoseError};
 pub use frame::{ClusterBounds, Frame};
 pub use hit::{Hit, InstanceId};
-pub use pose::PoseEvaluator;
+pub use pose::{Pose, PoseEvaluator};
 pub use ray::Ray;
 /// What is in a file: the types behind [`Asset::model`].
 pub use restpose_formats as formats;

@@ -1,10 +1,9 @@
 use crate::{
     Aabb, Affine, Asset, Frame, FrameStats, InstanceId, PoseError, PoseEvaluator,
     build::{KdBuilder, KdSettings, KdTree},
-    cluster_frame::{ClusterFrame, FramePose, PosedBone, pose_bones},
-    vertex::pose_triangle,
+    cluster_frame::Way,
+    instance::Instance,
 };
-use restpose_formats::{ModelView, rows::ClusterRow};
 use std::sync::Arc;
 
 /// Instances of assets, each with a pose and a transform.
@@ -29,21 +28,8 @@ pub struct Scene {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry {
     pub instance: u32,
-    pub cluster: u32,
-}
-
-/// An instance: what the caller set, and what the last commit made of it.
-#[derive(Debug)]
-pub(crate) struct Instance {
-    pub asset: Arc<Asset>,
-    transform: Affine,
-    /// Asset space from rest space.
-    palette: Vec<Affine>,
-    pub morph_weights: Vec<f32>,
-    /// World space from rest space.
-    pub posed: Vec<Affine>,
-    bones: Vec<PosedBone>,
-    pub clusters: Vec<ClusterFrame>,
+    /// Place among the instance's clusters.
+    pub slot: u32,
 }
 
 impl Scene {
@@ -59,23 +45,7 @@ impl Scene {
     /// With 2³² instances.
     pub fn add(&mut self, asset: &Arc<Asset>) -> InstanceId {
         let id = InstanceId(u32::try_from(self.instances.len()).expect("fewer than 2^32 instances"));
-        let mut instance = Instance {
-            asset: Arc::clone(asset),
-            transform: Affine::IDENTITY,
-            palette: Vec::new(),
-            morph_weights: Vec::new(),
-            posed: Vec::new(),
-            bones: Vec::new(),
-            clusters: Vec::new(),
-        };
-        self.evaluator.evaluate(
-            asset.model(),
-            None,
-            0.0,
-            &mut instance.palette,
-            &mut instance.morph_weights,
-        );
-        self.instances.push(instance);
+        self.instances.push(Instance::new(asset, &mut self.evaluator));
         id
     }
 
@@ -122,13 +92,8 @@ impl Scene {
             count,
         })?;
         let asset = Arc::clone(&instance.asset);
-        self.evaluator.evaluate(
-            asset.model(),
-            clip,
-            seconds,
-            &mut instance.palette,
-            &mut instance.morph_weights,
-        );
+        self.evaluator
+            .evaluate(asset.model(), clip, seconds, &mut instance.pose);
         Ok(())
     }
 
@@ -162,8 +127,26 @@ impl Scene {
         if let Some(target) = morph_weights.iter().position(|weight| !weight.is_finite()) {
             return Err(PoseError::MorphWeightNotFinite { target });
         }
-        instance.palette.copy_from_slice(palette);
-        instance.morph_weights.copy_from_slice(morph_weights);
+        instance.pose.palette.copy_from_slice(palette);
+        instance.pose.morph_weights.copy_from_slice(morph_weights);
+        Ok(())
+    }
+
+    /// Sets the frames of an instance's vertex caches, one per cache row of the asset: keys count from 0, fractions stand
+    /// between keys, and beyond the ends the first or last key counts.
+    ///
+    /// # Errors
+    /// One of [`PoseError`]; the instance then keeps its pose.
+    pub fn set_cache_frames(&mut self, instance: InstanceId, frames: &[f64]) -> Result<(), PoseError> {
+        let instance = self.instance_mut(instance)?;
+        let (expected, found) = (instance.pose.cache_frames.len(), frames.len());
+        if expected != found {
+            return Err(PoseError::CacheFramesLength { expected, found });
+        }
+        if let Some(cache) = frames.iter().position(|frame| !frame.is_finite()) {
+            return Err(PoseError::CacheFrameNotFinite { cache });
+        }
+        instance.pose.cache_frames.copy_from_slice(frames);
         Ok(())
     }
 
@@ -172,7 +155,7 @@ impl Scene {
     /// # Errors
     /// [`PoseError::UnknownInstance`].
     pub fn palette(&self, instance: InstanceId) -> Result<&[Affine], PoseError> {
-        Ok(&self.instance(instance)?.palette)
+        Ok(&self.instance(instance)?.pose.palette)
     }
 
     /// An instance's morph weights, as [`Scene::set_palette`] takes them.
@@ -180,7 +163,7 @@ impl Scene {
     /// # Errors
     /// [`PoseError::UnknownInstance`].
     pub fn morph_weights(&self, instance: InstanceId) -> Result<&[f32], PoseError> {
-        Ok(&self.instance(instance)?.morph_weights)
+        Ok(&self.instance(instance)?.pose.morph_weights)
     }
 
     fn instance(&self, instance: InstanceId) -> Result<&Instance, PoseError> {
@@ -204,24 +187,26 @@ impl Scene {
     /// Prepares everything that rays need: cluster frames, margins, world boxes and the top-level tree.
     ///
     /// Complexity: per bone and cluster, not per triangle, but for clusters whose frame has no usable inverse, whose
-    /// vertices are posed for their bounds. Allocates nothing once its buffers have grown to the scene.
+    /// vertices are posed for their bounds, and free motion, for which a tree is built. Allocates nothing once its buffers
+    /// have grown to the scene.
     pub fn commit(&mut self) -> Frame<'_> {
         self.entries.clear();
         self.boxes.clear();
         self.stats = FrameStats::default();
         for (index, instance) in self.instances.iter_mut().enumerate() {
-            instance.update();
-            for (cluster, frame) in instance.clusters.iter().enumerate() {
+            instance.update(&mut self.builder);
+            for (slot, active) in instance.clusters.iter().enumerate() {
                 self.entries.push(Entry {
                     instance: index as u32,
-                    cluster: cluster as u32,
+                    slot: slot as u32,
                 });
-                self.boxes.push(frame.bounds_world);
-                match &frame.local {
-                    Some(local) => {
+                self.boxes.push(active.frame.bounds_world);
+                match &active.frame.way {
+                    Way::Local(local) => {
                         self.stats.largest_margin = self.stats.largest_margin.max(local.largest_margin());
                     }
-                    None => self.stats.clusters_without_inverse += 1,
+                    Way::Exhaustive => self.stats.clusters_without_inverse += 1,
+                    Way::Posed(_) => self.stats.clusters_rebuilt += 1,
                 }
             }
         }
@@ -232,49 +217,4 @@ impl Scene {
         self.stats.top_level_nodes = self.top_level.nodes.len() as u32;
         Frame { scene: self }
     }
-}
-
-impl Instance {
-    fn update(&mut self) {
-        let model = self.asset.model();
-        self.posed.resize(model.bones.len(), Affine::IDENTITY);
-        self.bones.resize(model.bones.len(), PosedBone::ZERO);
-        pose_bones(&self.transform, &self.palette, &mut self.posed, &mut self.bones);
-
-        let mut morph_extent = [0.0; 3];
-        for (target, weight) in model.morph_targets.iter().zip(&self.morph_weights) {
-            for k in 0..3 {
-                morph_extent[k] += f64::from(weight.abs()) * f64::from(target.extent[k]);
-            }
-        }
-        let pose = FramePose {
-            palette: &self.palette,
-            posed: &self.posed,
-            bones: &self.bones,
-            vertex_error: self.asset.vertex_error(),
-            morph_extent,
-        };
-        self.clusters.clear();
-        self.clusters.extend(model.clusters.iter().map(|cluster| {
-            let rows =
-                &model.cluster_bones[cluster.cluster_bone_first as usize..][..cluster.cluster_bone_count as usize];
-            ClusterFrame::new(cluster, rows.iter().map(|row| (row.bone as usize, &row.extent)), &pose).unwrap_or_else(
-                || ClusterFrame {
-                    bounds_world: bounds_of_vertices(model, cluster, &self.posed, &self.morph_weights),
-                    local: None,
-                },
-            )
-        }));
-    }
-}
-
-/// The box around a cluster's posed triangles. Vertices that overflowed have no place and hit nothing.
-fn bounds_of_vertices(model: &ModelView, cluster: &ClusterRow, posed: &[Affine], morph_weights: &[f32]) -> Aabb {
-    let references = &model.references[cluster.reference_first as usize..][..cluster.reference_count as usize];
-    Aabb::around(
-        references
-            .iter()
-            .flat_map(|triangle| pose_triangle(model, posed, morph_weights, *triangle))
-            .filter(|vertex| vertex.iter().all(|x| x.is_finite())),
-    )
 }

@@ -8,6 +8,8 @@ pub struct FrameStats {
     /// Clusters whose frame has no usable inverse (scaled to nothing, flattened, near-singular): their triangles were
     /// posed for their bounds and are all tested by each ray that enters those.
     pub clusters_without_inverse: u32,
+    /// Clusters in free motion, whose trees were built for this frame.
+    pub clusters_rebuilt: u32,
     /// Nodes of the top-level tree.
     pub top_level_nodes: u32,
     /// Largest length by which a cluster's boxes are widened for every ray, in the cluster's rest space. Rounding

@@ -1,4 +1,4 @@
-use crate::{Hit, scene::Instance};
+use crate::{Hit, instance::Instance};
 use restpose_formats::rows::NONE;
 
 /// What was hit, in the source's words.

@@ -10,16 +10,17 @@
 
 use crate::{
     Hit, InstanceId, Ray,
-    cluster_frame::SlabRay,
+    cluster_frame::{SlabRay, Way},
+    instance::{Active, Instance},
     scene::{Entry, Scene},
     stats::Count,
     triangle::PreparedRay,
-    vertex::pose_triangle,
 };
 use restpose_formats::{
     geom::round::{f32_above, f32_below},
     rows::{KdNode, KdNodeRow, MAX_KD_DEPTH},
 };
+use std::ops::Range;
 
 /// How many primitives a ray remembers as already tested. A miss in this memory costs a repeated test, no more.
 const MAILBOX_SIZE: usize = 8;
@@ -111,9 +112,8 @@ impl Traveller {
 
     /// Poses and tests one triangle; true when it is the best hit so far.
     #[inline]
-    fn test(&mut self, scene: &Scene, instance: u32, triangle: u32) -> bool {
-        let state = &scene.instances[instance as usize];
-        let corners = pose_triangle(state.asset.model(), &state.posed, &state.morph_weights, triangle);
+    fn test(&mut self, state: &Instance, cache: u32, instance: u32, triangle: u32) -> bool {
+        let corners = state.pose_triangle(cache, triangle);
         let Some(found) = self.prepared.intersect(&corners) else {
             return false;
         };
@@ -183,41 +183,47 @@ fn enter_cluster<const ANY: bool>(
     counters: &mut impl Count,
 ) -> bool {
     counters.cluster();
-    let Entry { instance, cluster } = scene.entries[id as usize];
+    let Entry { instance, slot } = scene.entries[id as usize];
     let state = &scene.instances[instance as usize];
+    let Active { row, cache, frame } = &state.clusters[slot as usize];
     let model = state.asset.model();
-    let row = &model.clusters[cluster as usize];
-    let frame = &state.clusters[cluster as usize];
+    let row = &model.clusters[*row as usize];
     let references = &model.references[row.reference_first as usize..][..row.reference_count as usize];
     let mut mailbox = Mailbox::EMPTY;
-    let mut test = |triangles: &[u32], traveller: &mut Traveller, counters: &mut _| {
-        for triangle in triangles {
-            if mailbox.insert(*triangle) {
-                Count::triangle(counters);
-                if traveller.test(scene, instance, *triangle) && ANY {
-                    return true;
-                }
-            }
+    let mut test = |triangle: u32, traveller: &mut Traveller, counters: &mut _| {
+        if !mailbox.insert(triangle) {
+            return false;
         }
-        false
+        Count::triangle(counters);
+        traveller.test(state, *cache, instance, triangle) && ANY
     };
-    let Some(local) = &frame.local else {
-        return test(references, traveller, counters);
-    };
-    let slab = local.enter(traveller.origin, traveller.direction, &frame.bounds_world);
-    let Some(range) = slab.clip(&row.bounds_local, (start, traveller.limit)) else {
-        return false;
-    };
-    let nodes = &model.kd_nodes[row.node_first as usize..][..row.node_count as usize];
-    walk(
-        nodes,
-        &slab,
-        range,
-        traveller,
-        stack,
-        counters,
-        &mut |leaf, traveller, counters| test(&references[leaf], traveller, counters),
-    )
+    match &frame.way {
+        Way::Exhaustive => references.iter().any(|triangle| test(*triangle, traveller, counters)),
+        Way::Local(local) => {
+            let slab = local.enter(traveller.origin, traveller.direction, &frame.bounds_world);
+            let Some(range) = slab.clip(&row.bounds_local, (start, traveller.limit)) else {
+                return false;
+            };
+            let nodes = &model.kd_nodes[row.node_first as usize..][..row.node_count as usize];
+            let mut visit = |leaf: Range<usize>, traveller: &mut Traveller, counters: &mut _| {
+                references[leaf]
+                    .iter()
+                    .any(|triangle| test(*triangle, traveller, counters))
+            };
+            walk(nodes, &slab, range, traveller, stack, counters, &mut visit)
+        }
+        Way::Posed(tree) => {
+            let tree = &state.trees[*tree as usize];
+            let slab = SlabRay::in_world(traveller.origin, traveller.direction, &frame.bounds_world);
+            let Some(range) = slab.clip(&frame.bounds_world, (start, traveller.limit)) else {
+                return false;
+            };
+            let mut visit = |leaf: Range<usize>, traveller: &mut Traveller, counters: &mut _| {
+                tree.leaf(leaf).any(|triangle| test(triangle, traveller, counters))
+            };
+            walk(tree.nodes(), &slab, range, traveller, stack, counters, &mut visit)
+        }
+    }
 }
 
 /// Visits the leaves that the ray may touch within `range`, near ones first, until one says that the search is over.
@@ -228,7 +234,7 @@ fn walk<C: Count>(
     traveller: &mut Traveller,
     stack: &mut [Pending; MAX_KD_DEPTH],
     counters: &mut C,
-    visit: &mut impl FnMut(std::ops::Range<usize>, &mut Traveller, &mut C) -> bool,
+    visit: &mut impl FnMut(Range<usize>, &mut Traveller, &mut C) -> bool,
 ) -> bool {
     let mut pending = 0;
     let (mut node, (mut enter, mut exit)) = (0u32, range);

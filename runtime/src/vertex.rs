@@ -1,6 +1,7 @@
 //! The vertex function: the one way in which a vertex of the rest pose becomes a vertex of the current pose.
 
-use restpose_formats::{ModelView, geom::Affine};
+use crate::cluster_frame::SMALLEST_NORMAL;
+use restpose_formats::{ModelView, geom::Affine, rows::ClusterRow};
 
 /// Poses one vertex.
 ///
@@ -45,6 +46,17 @@ pub(crate) fn pose_triangle(
     model.triangles[triangle as usize]
         .corners
         .map(|corner| pose_vertex(model, palette, morph_weights, corner))
+}
+
+/// The greatest magnitudes, per world axis, that enter the posed vertices of a cluster: over the bones or tracks that move
+/// them, what `reach_of` makes of the row and the extent of the points that it moves.
+pub(crate) fn reach(model: &ModelView, cluster: &ClusterRow, reach_of: impl Fn(u32, [f64; 3]) -> [f64; 3]) -> [f64; 3] {
+    let rows = &model.cluster_bones[cluster.cluster_bone_first as usize..][..cluster.cluster_bone_count as usize];
+    rows.iter().fold([0.0f64; 3], |reach, row| {
+        // A morph that underflows is off by up to 2⁻¹⁵⁰ before the bone enlarges it: u times the last term.
+        let moved = reach_of(row.bone, row.extent.map(|x| f64::from(x) + SMALLEST_NORMAL));
+        std::array::from_fn(|k| reach[k].max(moved[k]))
+    })
 }
 
 /// `f32` roundings on the longest way from a rest position to a posed one: bounds, with

@@ -12,6 +12,17 @@ use restpose_formats::{
 /// World from node, four columns of three.
 type Columns = [[f64; 3]; 4];
 
+/// A pose of an asset.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Pose {
+    /// Asset space from rest space, one map per bone row.
+    pub palette: Vec<Affine>,
+    /// One weight per morph target row.
+    pub morph_weights: Vec<f32>,
+    /// One frame per cache row: keys count from 0, fractions stand between them, beyond the ends the first or last counts.
+    pub cache_frames: Vec<f64>,
+}
+
 /// Evaluates clips; owns the scratch that this takes, so that poses allocate nothing once it has grown.
 #[derive(Debug, Default)]
 pub struct PoseEvaluator {
@@ -32,23 +43,23 @@ enum NodePose {
 impl PoseEvaluator {
     /// Writes the pose of `clip` at `seconds`, or the pose without any clip.
     ///
-    /// Shapes: `palette` gets one map per bone row, asset space from rest space; `morph_weights` one weight per morph
-    /// target row. Computed in `f64`, rounded once.
+    /// Computed in `f64`, what is `f32` rounded once.
     /// Guarantee: the same bits on every platform. Times outside a channel's keys take its first or last value. A clip
     /// that the model does not have, and a NaN time, give the pose without any clip.
-    pub fn evaluate(
-        &mut self,
-        model: &ModelView,
-        clip: Option<usize>,
-        seconds: f32,
-        palette: &mut Vec<Affine>,
-        morph_weights: &mut Vec<f32>,
-    ) {
+    pub fn evaluate(&mut self, model: &ModelView, clip: Option<usize>, seconds: f32, pose: &mut Pose) {
+        let Pose {
+            palette,
+            morph_weights,
+            cache_frames,
+        } = pose;
         self.locals.clear();
         self.locals
             .extend(model.nodes.iter().map(|row| NodePose::new(row.local())));
         morph_weights.clear();
         morph_weights.extend(model.morph_targets.iter().map(|target| target.default_weight));
+
+        cache_frames.clear();
+        cache_frames.resize(model.caches.len(), 0.0);
 
         if let Some(row) = clip
             .and_then(|clip| model.clips.get(clip))
@@ -56,13 +67,17 @@ impl PoseEvaluator {
         {
             for channel in &model.channels[row.channel_first as usize..][..row.channel_count as usize] {
                 let curve = Curve::new(model, channel);
-                if curve.path() == Path::Weights {
-                    let set = model.morph_sets[channel.target as usize];
-                    for k in 0..set.target_count as usize {
-                        morph_weights[set.target_first as usize + k] = curve.scalar(seconds, k) as f32;
+                match curve.path() {
+                    Path::Weights => {
+                        let set = model.morph_sets[channel.target as usize];
+                        for k in 0..set.target_count as usize {
+                            morph_weights[set.target_first as usize + k] = curve.scalar(seconds, k) as f32;
+                        }
                     }
-                } else {
-                    self.locals[channel.target as usize].set(&curve, seconds);
+                    Path::Frame => cache_frames[channel.target as usize] = curve.scalar(seconds, 0),
+                    Path::Translation | Path::Rotation | Path::Scale => {
+                        self.locals[channel.target as usize].set(&curve, seconds);
+                    }
                 }
             }
         }

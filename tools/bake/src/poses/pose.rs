@@ -5,7 +5,7 @@ use restpose_formats::{
     geom::Affine,
     rows::{NONE, SampleRow},
 };
-use restpose_runtime::{PoseEvaluator, invert_frame};
+use restpose_runtime::{Pose, PoseEvaluator, invert_frame};
 
 /// A pose of the pose space, with the very numbers that the runtime poses with.
 pub(crate) struct SampledPose {
@@ -29,8 +29,13 @@ pub(crate) fn evaluate(
         .par_iter()
         .map_init(PoseEvaluator::default, |evaluator, sample| {
             let clip = (sample.clip != NONE).then_some(sample.clip as usize);
-            let (mut palette, mut morph_weights) = (Vec::new(), Vec::new());
-            evaluator.evaluate(&view, clip, sample.seconds, &mut palette, &mut morph_weights);
+            let mut pose = Pose::default();
+            evaluator.evaluate(&view, clip, sample.seconds, &mut pose);
+            let Pose {
+                palette,
+                morph_weights,
+                cache_frames: _,
+            } = pose;
             if let Some(bone) = palette.iter().position(|x| !x.is_finite()) {
                 let bone = model.meta.bone_names[bone].clone();
                 let clip = clip.map_or(String::new(), |clip| model.meta.clip_names[clip].clone());

@@ -1,0 +1,158 @@
+//! Vertex caches: where one stands in this frame, and what its tracks are there.
+//!
+//! A cached vertex is `A·q + B·q'`: q and q' are its stored numbers at the keys around the frame, A and B the maps of its
+//! track there, with the weights of both keys, the lattice, the bone and the instance transform multiplied in.
+
+use crate::{
+    Aabb, Affine,
+    cluster_frame::{Map64, PosedMap},
+};
+use restpose_formats::{
+    ModelView,
+    geom::round::{f32_above, f32_below},
+    rows::{CacheRow, NONE, PartRow, SegmentRow, TrackRow},
+};
+
+/// Frames between keys are told apart down to this fraction, 2⁻²⁴, so that both weights are `f32` and sum to one.
+const WEIGHT_STEPS: f64 = (1u32 << 24) as f64;
+
+/// Where a cache stands: between which keys, in which segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CacheTime {
+    /// Segment row.
+    pub segment: u32,
+    /// The key before and the key after, counted from the segment's first.
+    pub keys: [u32; 2],
+    /// Weight of the key after, a multiple of 2⁻²⁴.
+    pub weight: f32,
+}
+
+impl CacheTime {
+    /// `frame` counts keys from 0 and is finite; beyond the ends it stands for the first or last key.
+    pub(crate) fn new(model: &ModelView, cache: &CacheRow, frame: f64) -> Self {
+        let segments = &model.segments[cache.segment_first as usize..][..cache.segment_count as usize];
+        let frame = frame.clamp(0.0, f64::from(cache.key_count - 1));
+        let place = segments
+            .partition_point(|segment| f64::from(segment.key_first) <= frame)
+            .saturating_sub(1);
+        let segment = &segments[place];
+        let in_segment = frame - f64::from(segment.key_first);
+        let last = segment.key_count - 1;
+        let before = (in_segment as u32).min(last.saturating_sub(1));
+        let weight = ((in_segment - f64::from(before)) * WEIGHT_STEPS).round() / WEIGHT_STEPS;
+        Self {
+            segment: cache.segment_first + place as u32,
+            keys: [before, (before + 1).min(last)],
+            weight: weight as f32,
+        }
+    }
+}
+
+/// A track in this frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PosedTrack {
+    /// World space from the stored numbers of the key before and of the key after.
+    maps: [PosedMap; 2],
+    /// The cluster frame that the track gives: world from local space.
+    pub frame: PosedMap,
+}
+
+impl PosedTrack {
+    /// `world` is world space from the cache's space: the instance transform and the bone's map.
+    fn new(world: &[Map64; 2], track: &TrackRow, model: &ModelView, time: &CacheTime) -> Self {
+        let key = |place: usize| match track.key_first {
+            NONE => Affine::IDENTITY,
+            first => model.keys[(first + time.keys[place]) as usize].map(),
+        };
+        let maps = [Map64::new(&key(0)), Map64::new(&key(1))];
+        let after = f64::from(time.weight);
+        let weights = [1.0 - after, after];
+        let posed = |map: &Map64| PosedMap::product(&[&world[0], &world[1], map]);
+        let lattice = Map64::lattice(track.origin, track.step);
+        Self {
+            maps: [0, 1].map(|place: usize| {
+                let stored = Map64::weighted_product(weights[place], &maps[place], &lattice);
+                posed(&stored)
+            }),
+            frame: posed(&Map64::blend(weights, &maps)),
+        }
+    }
+
+    /// Bounds, per world axis, the magnitudes that enter a vertex whose stored numbers are at most `extent`.
+    pub(crate) fn reach(&self, extent: [f64; 3]) -> [f64; 3] {
+        let [a, b] = self.maps.each_ref().map(|map| map.reach(extent));
+        std::array::from_fn(|k| a[k] + b[k])
+    }
+}
+
+/// A cache of an instance in this frame.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct CacheState {
+    time: Option<CacheTime>,
+    /// Key-vertex row minus vertex row, for the cache's vertices; wraps.
+    key_vertex_shift: u32,
+    track_first: u32,
+    tracks: Vec<PosedTrack>,
+}
+
+impl CacheState {
+    /// Poses the tracks of the segment that holds `frame`. `world` as in [`PosedTrack`].
+    pub(crate) fn update(&mut self, model: &ModelView, cache: &CacheRow, frame: f64, world: &[Map64; 2]) {
+        let time = CacheTime::new(model, cache, frame);
+        let segment: &SegmentRow = &model.segments[time.segment as usize];
+        let part: &PartRow = &model.parts[cache.part as usize];
+        self.time = Some(time);
+        self.key_vertex_shift = segment.key_vertex_first.wrapping_sub(part.vertex_first);
+        self.track_first = segment.track_first;
+        self.tracks.clear();
+        let tracks = &model.tracks[segment.track_first as usize..][..segment.track_count as usize];
+        self.tracks
+            .extend(tracks.iter().map(|track| PosedTrack::new(world, track, model, &time)));
+    }
+
+    /// Where the cache stands; set by the first update.
+    pub(crate) fn time(&self) -> Option<CacheTime> {
+        self.time
+    }
+
+    /// A track row of the present segment.
+    pub(crate) fn track(&self, row: u32) -> &PosedTrack {
+        &self.tracks[(row - self.track_first) as usize]
+    }
+
+    /// Contains the vertices of the track's cluster, in the cache's space and exact arithmetic; `None` in a cut interval,
+    /// where the cluster's tree holds nothing. The track has keys.
+    pub(crate) fn bounds(&self, model: &ModelView, track: u32) -> Option<Aabb> {
+        let time = self.time?;
+        let first = model.tracks[track as usize].key_first;
+        let [a, b] = time.keys.map(|key| &model.keys[(first + key) as usize]);
+        if a.is_cut() && time.weight > 0.0 {
+            return None;
+        }
+        let after = f64::from(time.weight);
+        let mix = |a: f32, b: f32| (1.0 - after) * f64::from(a) + after * f64::from(b);
+        Some(Aabb {
+            min: std::array::from_fn(|k| f32_below(mix(a.bounds.min[k], b.bounds.min[k]))),
+            max: std::array::from_fn(|k| f32_above(mix(a.bounds.max[k], b.bounds.max[k]))),
+        })
+    }
+
+    /// Poses a vertex of the cache's part, by vertex row: each map's image rounded as [`Affine::transform_point`] says,
+    /// then one sum per component, in `f32` without contraction.
+    #[inline]
+    pub(crate) fn pose_vertex(&self, model: &ModelView, vertex: u32) -> [f32; 3] {
+        let Some(time) = self.time else {
+            return [f32::NAN; 3];
+        };
+        let row = &model.key_vertices[vertex.wrapping_add(self.key_vertex_shift) as usize];
+        let track = self.track(row.track);
+        let [a, b] = [0, 1].map(|place: usize| {
+            let stored = row.stored(model.key_words, time.keys[place]);
+            track.maps[place].map.transform_point(stored)
+        });
+        std::array::from_fn(|k| a[k] + b[k])
+    }
+}
+
+/// `f32` roundings of [`CacheState::pose_vertex`]: product and sums with a map are four, the last sum is one.
+pub(crate) const CACHE_ROUNDINGS: u32 = 5;

@@ -1,0 +1,230 @@
+use crate::{
+    Aabb, Affine, Asset, Pose, PoseEvaluator,
+    build::KdBuilder,
+    cache::CacheState,
+    cluster_frame::{ClusterFrame, FrameInputs, Map64, PosedMap, Way, invert_frame},
+    posed_tree::PosedTree,
+    vertex::{pose_triangle, reach},
+};
+use restpose_formats::{
+    ModelView,
+    rows::{CacheRow, ClusterRow, NONE},
+};
+use std::sync::Arc;
+
+/// An instance: what the caller set, and what the last commit made of it.
+#[derive(Debug)]
+pub(crate) struct Instance {
+    pub asset: Arc<Asset>,
+    pub transform: Affine,
+    /// Asset space from rest space, and what goes with it.
+    pub pose: Pose,
+    /// World space from rest space, per bone row.
+    pub posed: Vec<Affine>,
+    bones: Vec<PosedMap>,
+    /// Per cache row.
+    caches: Vec<CacheState>,
+    /// What this frame traces: clusters without a track, then those of each cache's present segment.
+    pub clusters: Vec<Active>,
+    /// Trees of clusters in free motion, by the order of these among `clusters`.
+    pub trees: Vec<PosedTree>,
+}
+
+/// A cluster that counts in this frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Active {
+    /// Cluster row.
+    pub row: u32,
+    /// Cache row that moves its vertices, or `NONE`.
+    pub cache: u32,
+    pub frame: ClusterFrame,
+}
+
+impl Instance {
+    /// An instance at the origin, in the pose without any clip.
+    pub(crate) fn new(asset: &Arc<Asset>, evaluator: &mut PoseEvaluator) -> Self {
+        let mut pose = Pose::default();
+        evaluator.evaluate(asset.model(), None, 0.0, &mut pose);
+        Self {
+            asset: Arc::clone(asset),
+            transform: Affine::IDENTITY,
+            pose,
+            posed: Vec::new(),
+            bones: Vec::new(),
+            caches: Vec::new(),
+            clusters: Vec::new(),
+            trees: Vec::new(),
+        }
+    }
+
+    /// Prepares what rays need of this instance.
+    pub(crate) fn update(&mut self, builder: &mut KdBuilder) {
+        let asset = Arc::clone(&self.asset);
+        let model = asset.model();
+        let transform = Map64::new(&self.transform);
+        let posed = |x: &Affine| PosedMap::product(&[&transform, &Map64::new(x)]);
+        self.bones.clear();
+        self.bones.extend(self.pose.palette.iter().map(posed));
+        self.posed.clear();
+        self.posed.extend(self.bones.iter().map(|bone| bone.map));
+        self.caches.resize_with(model.caches.len(), CacheState::default);
+        for (index, cache) in model.caches.iter().enumerate() {
+            let world = [transform, Map64::new(&self.pose.palette[cache.bone as usize])];
+            self.caches[index].update(model, cache, self.pose.cache_frames[index], &world);
+        }
+        self.update_clusters(model, builder);
+    }
+
+    fn update_clusters(&mut self, model: &ModelView, builder: &mut KdBuilder) {
+        self.clusters.clear();
+        let without_track = model.clusters.partition_point(|cluster| cluster.track == NONE);
+        let morph_extent = self.morph_extent(model);
+        for (row, cluster) in (0..).zip(&model.clusters[..without_track]) {
+            let frame = self.bone_frame(model, cluster, morph_extent);
+            let frame = frame.unwrap_or_else(|| self.frame_without_inverse(model, NONE, cluster));
+            self.clusters.push(Active {
+                row,
+                cache: NONE,
+                frame,
+            });
+        }
+        let mut trees = 0;
+        for (index, cache) in (0u32..).zip(model.caches) {
+            let Some(time) = self.caches[index as usize].time() else {
+                continue;
+            };
+            let segment = &model.segments[time.segment as usize];
+            for row in segment.cluster_first..segment.cluster_first + segment.cluster_count {
+                let cluster = &model.clusters[row as usize];
+                let frame = if model.tracks[cluster.track as usize].key_first == NONE {
+                    trees += 1;
+                    self.free_frame(model, index, cluster, trees, builder)
+                } else {
+                    let frame = self.track_frame(model, index, cache, cluster);
+                    frame.unwrap_or_else(|| self.frame_without_inverse(model, index, cluster))
+                };
+                self.clusters.push(Active {
+                    row,
+                    cache: index,
+                    frame,
+                });
+            }
+        }
+    }
+
+    fn morph_extent(&self, model: &ModelView) -> [f64; 3] {
+        let mut extent = [0.0; 3];
+        for (target, weight) in model.morph_targets.iter().zip(&self.pose.morph_weights) {
+            for k in 0..3 {
+                extent[k] += f64::from(weight.abs()) * f64::from(target.extent[k]);
+            }
+        }
+        extent
+    }
+
+    fn bone_frame(&self, model: &ModelView, cluster: &ClusterRow, morph_extent: [f64; 3]) -> Option<ClusterFrame> {
+        // The baker judged samples without an instance transform; what it left out must not be traced here either.
+        invert_frame(&self.pose.palette[cluster.bone as usize])?;
+        ClusterFrame::new(&FrameInputs {
+            frame: &self.bones[cluster.bone as usize],
+            bounds_local: &cluster.bounds_local,
+            reach: reach(model, cluster, |bone, extent| {
+                let extent = std::array::from_fn(|k| extent[k] + morph_extent[k]);
+                self.bones[bone as usize].reach(extent)
+            }),
+            vertex_error: self.asset.vertex_error(),
+            bounds: None,
+        })
+    }
+
+    fn track_frame(
+        &self,
+        model: &ModelView,
+        index: u32,
+        cache: &CacheRow,
+        cluster: &ClusterRow,
+    ) -> Option<ClusterFrame> {
+        let state = &self.caches[index as usize];
+        let bounds = state.bounds(model, cluster.track)?;
+        ClusterFrame::new(&FrameInputs {
+            frame: &state.track(cluster.track).frame,
+            bounds_local: &cluster.bounds_local,
+            reach: reach(model, cluster, |track, extent| state.track(track).reach(extent)),
+            vertex_error: self.asset.cache_vertex_error(),
+            bounds: Some((&bounds, &self.bones[cache.bone as usize])),
+        })
+    }
+
+    fn frame_without_inverse(&self, model: &ModelView, cache: u32, cluster: &ClusterRow) -> ClusterFrame {
+        let references = &model.references[cluster.reference_first as usize..][..cluster.reference_count as usize];
+        ClusterFrame {
+            bounds_world: Aabb::around(
+                references
+                    .iter()
+                    .flat_map(|triangle| self.pose_triangle(cache, *triangle))
+                    // Vertices that overflowed have no place and hit nothing.
+                    .filter(|vertex| vertex.iter().all(|x| x.is_finite())),
+            ),
+            way: Way::Exhaustive,
+        }
+    }
+
+    /// Builds the `count`th tree over posed triangles.
+    fn free_frame(
+        &mut self,
+        model: &ModelView,
+        cache: u32,
+        cluster: &ClusterRow,
+        count: usize,
+        builder: &mut KdBuilder,
+    ) -> ClusterFrame {
+        if self.trees.len() < count {
+            self.trees.resize_with(count, PosedTree::default);
+        }
+        let mut tree = std::mem::take(&mut self.trees[count - 1]);
+        let references = &model.references[cluster.reference_first as usize..][..cluster.reference_count as usize];
+        tree.rebuild(references, |triangle| self.pose_triangle(cache, triangle), builder);
+        let bounds_world = tree.bounds();
+        self.trees[count - 1] = tree;
+        ClusterFrame {
+            bounds_world,
+            way: Way::Posed(count as u32 - 1),
+        }
+    }
+
+    /// The cache that moves a part's vertices, by the part's triangle or vertex row; `NONE` without one.
+    pub(crate) fn cache_of_triangle(&self, triangle: u32) -> u32 {
+        let parts = self.asset.model().parts;
+        let after = parts.partition_point(|part| part.triangle_first <= triangle);
+        after.checked_sub(1).map_or(NONE, |part| parts[part].cache)
+    }
+
+    /// As [`Instance::cache_of_triangle`].
+    pub(crate) fn cache_of_vertex(&self, vertex: u32) -> u32 {
+        let parts = self.asset.model().parts;
+        let after = parts.partition_point(|part| part.vertex_first <= vertex);
+        after.checked_sub(1).map_or(NONE, |part| parts[part].cache)
+    }
+
+    /// Poses a triangle's corners in world space. `cache` is that of its part.
+    #[inline]
+    pub(crate) fn pose_triangle(&self, cache: u32, triangle: u32) -> [[f32; 3]; 3] {
+        let model = self.asset.model();
+        if cache == NONE {
+            return pose_triangle(model, &self.posed, &self.pose.morph_weights, triangle);
+        }
+        let state = &self.caches[cache as usize];
+        model.triangles[triangle as usize]
+            .corners
+            .map(|corner| state.pose_vertex(model, corner))
+    }
+
+    /// Poses a vertex in world space. `cache` is that of its part.
+    pub(crate) fn pose_vertex(&self, cache: u32, vertex: u32) -> [f32; 3] {
+        let model = self.asset.model();
+        if cache == NONE {
+            return crate::vertex::pose_vertex(model, &self.posed, &self.pose.morph_weights, vertex);
+        }
+        self.caches[cache as usize].pose_vertex(model, vertex)
+    }
+}
