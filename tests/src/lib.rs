@@ -2,7 +2,9 @@
 
 pub mod gltf_reference;
 mod random_animation;
+mod random_cache;
 mod scenes;
 
 pub use random_animation::{Recipe, random_animation};
+pub use random_cache::{CacheRecipe, Motion, random_cache};
 pub use scenes::{baked_asset, sample_scenes, source_scenes};
