@@ -1,5 +1,6 @@
 //! What the cross-crate tests share: where scenes are, and references to compare with.
 
+pub mod cache_reference;
 pub mod gltf_reference;
 mod random_animation;
 mod random_cache;
