@@ -10,6 +10,16 @@ pub enum BakeError {
         /// Step given.
         found: f64,
     },
+    /// A setting is out of its range.
+    #[error("{name}: {found} given; expected a number from 0 to {most}")]
+    Setting {
+        /// Setting.
+        name: &'static str,
+        /// Number given.
+        found: f64,
+        /// Greatest number allowed.
+        most: f64,
+    },
     /// A clip that was asked for does not exist.
     #[error("no clip is called {name:?}; the source has: {known}", known = .known.join(", "))]
     UnknownClip {
@@ -27,7 +37,7 @@ pub enum BakeError {
         known: Vec<String>,
     },
     /// A part cannot have the class that was asked for.
-    #[error("part {name:?} cannot be {}: it is {} ({reason}); a part can be made static, and a static one rigid", .asked.name(), .found.name())]
+    #[error("part {name:?} cannot be {}: it is {} ({reason}); a part can be made static, a static one rigid, and one with a vertex cache keyframed or free", .asked.name(), .found.name())]
     Class {
         /// Part.
         name: String,

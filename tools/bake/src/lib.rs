@@ -3,6 +3,8 @@
 
 mod assemble;
 mod bounds;
+mod caches;
+mod cost;
 mod error;
 pub mod import;
 mod motion;
@@ -16,10 +18,12 @@ mod trees;
 pub mod verify;
 mod write_file;
 
+pub use caches::{CacheReport, SegmentReport};
 pub use error::BakeError;
+pub use motion::keyframed::{DecomposeReport, DecomposeSettings, FitModel};
 pub use pipeline::{Baked, bake};
 pub use progress::{NoProgress, Progress};
 pub use report::{BakeReport, PartReport, StageSeconds};
 pub use restpose_formats::rows::MotionClass;
-pub use settings::{BakeSettings, ClipSelection};
+pub use settings::{BakeSettings, ClipSelection, SegmentSettings};
 pub use write_file::write_file;

@@ -1,6 +1,7 @@
 use crate::{
-    BakeError, BakeReport, BakeSettings, ClipSelection, PartReport, Progress, StageSeconds,
+    BakeError, BakeReport, BakeSettings, CacheReport, ClipSelection, PartReport, Progress, StageSeconds,
     assemble::assemble,
+    caches::add_caches,
     import::Animation,
     motion::{Carried, Moving, classify, decompose},
     poses, trees,
@@ -32,7 +33,7 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
     progress.stage("assemble", 1);
     let clips = selected_clips(animation, &settings.clips)?;
     let moving = Moving::new(animation, &clips);
-    let classes = classify(animation, &moving, settings)?;
+    let mut classes = classify(animation, &moving, settings)?;
     let assembled = assemble(animation, &classes, &clips)?;
     let mut model = assembled.model;
     progress.advance(1);
@@ -46,7 +47,7 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
 
     progress.stage("decompose", model.triangles.len() as u64);
     let carried = decompose(&model, &assembled.bones_of_part, &poses, progress);
-    if carried.is_empty() {
+    if carried.is_empty() && model.caches.is_empty() {
         return Err(BakeError::NothingToTrace);
     }
     lap(&mut seconds.decompose);
@@ -55,26 +56,29 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
     trees::add_clusters(&mut model, carried.clone(), progress)?;
     lap(&mut seconds.build);
 
+    let caches = add_caches(&mut model, animation, &mut classes, settings, progress)?;
+    lap(&mut seconds.caches);
+
     model.hashes = Hashes {
         source: animation.source_hash,
-        options: settings.hash(),
+        options: settings.hash(&animation.import_options),
     };
     model.meta.generator = concat!("restpose ", env!("CARGO_PKG_VERSION")).to_owned();
     model.meta.source_name = animation.source_name.clone();
-    model.meta.options = settings.listed();
+    model.meta.options = settings.listed(&animation.import_options);
     model.meta.bounds = settings.bounds;
 
     let reasons = classes.into_iter().map(|class| class.reason);
-    let parts = part_reports(&model, &carried, reasons);
+    let parts = part_reports(&model, &carried, reasons.zip(caches));
     let report = BakeReport {
-        parts,
         triangles: model.triangles.len() as u64,
         degenerate_triangles: u64::from(model.meta.degenerate_triangle_count),
         vertices: model.vertices.len().saturating_sub(1) as u64,
         bones: model.bones.len() as u64,
         clusters: model.clusters.len() as u64,
         samples: model.samples.len() as u64,
-        fuzzy_box_area: carried.iter().map(|carried| carried.fuzzy_box.surface_area()).sum(),
+        fuzzy_box_area: parts.iter().map(|part| part.fuzzy_box_area).sum(),
+        parts,
         tree_nodes: model.kd_nodes.len() as u64,
         tree_references: model.references.len() as u64,
         seconds,
@@ -108,18 +112,22 @@ fn selected_clips(animation: &Animation, selection: &ClipSelection) -> Result<Ve
     Ok(out)
 }
 
-fn part_reports(model: &Model, carried: &[Carried], reasons: impl Iterator<Item = String>) -> Vec<PartReport> {
-    let parts = model.parts.iter().zip(&model.meta.part_names).zip(reasons);
+fn part_reports(
+    model: &Model,
+    carried: &[Carried],
+    found: impl Iterator<Item = (String, Option<CacheReport>)>,
+) -> Vec<PartReport> {
+    let parts = model.parts.iter().zip(&model.meta.part_names).zip(found);
     parts
-        .map(|((row, name), reason)| {
+        .map(|((row, name), (reason, cache))| {
             let begin = carried.partition_point(|carried| carried.triangle < row.triangle_first);
             let end = carried.partition_point(|carried| carried.triangle < row.triangle_first + row.triangle_count);
             let own = &carried[begin..end];
             let mut bones: Vec<u32> = own.iter().map(|carried| carried.bone).collect();
             bones.sort_unstable();
             bones.dedup();
-            let rest_box = |carried: &Carried| {
-                let corners = model.triangles[carried.triangle as usize].corners;
+            let rest_box = |triangle: u32| {
+                let corners = model.triangles[triangle as usize].corners;
                 Aabb::around(corners.map(|corner| model.vertices[corner as usize].position_rest)).surface_area()
             };
             PartReport {
@@ -127,9 +135,13 @@ fn part_reports(model: &Model, carried: &[Carried], reasons: impl Iterator<Item 
                 class: MotionClass::from_number(row.class).unwrap_or(MotionClass::Static),
                 reason,
                 triangles: u64::from(row.triangle_count),
-                clusters: bones.len() as u64,
-                fuzzy_box_area: own.iter().map(|carried| carried.fuzzy_box.surface_area()).sum(),
-                rest_box_area: own.iter().map(rest_box).sum(),
+                clusters: cache.as_ref().map_or(bones.len() as u64, |cache| {
+                    cache.segments.iter().map(|segment| segment.clusters).sum()
+                }),
+                fuzzy_box_area: own.iter().map(|carried| carried.fuzzy_box.surface_area()).sum::<f64>()
+                    + cache.iter().flat_map(|cache| &cache.segments).map(|segment| segment.fuzzy_box_area).sum::<f64>(),
+                rest_box_area: (row.triangle_first..row.triangle_first + row.triangle_count).map(rest_box).sum(),
+                cache,
             }
         })
         .collect()

@@ -1,3 +1,4 @@
+use crate::CacheReport;
 use restpose_formats::rows::MotionClass;
 use serde::Serialize;
 
@@ -47,6 +48,8 @@ pub struct PartReport {
     /// Sum of the surface areas of its triangles' boxes in the rest pose: what the fuzzy boxes would be if nothing
     /// moved against its cluster.
     pub rest_box_area: f64,
+    /// Of a part with a vertex cache.
+    pub cache: Option<CacheReport>,
 }
 
 /// Wall-clock seconds of each stage.
@@ -58,8 +61,10 @@ pub struct StageSeconds {
     pub sample: f64,
     /// Choosing each triangle's bone and bounding it there.
     pub decompose: f64,
-    /// Fuzzy trees.
+    /// Fuzzy trees of static, rigid and skinned parts.
     pub build: f64,
+    /// Vertex caches: clusters, tracks, positions, boxes and trees.
+    pub caches: f64,
 }
 
 fn class_name<S: serde::Serializer>(class: &MotionClass, serializer: S) -> Result<S::Ok, S::Error> {

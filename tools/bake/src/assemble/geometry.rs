@@ -2,6 +2,7 @@ use super::{degenerate::is_degenerate, row_count, skeleton::Skeleton, weights::e
 use crate::{
     BakeError,
     assemble::skeleton::Columns,
+    caches::cache_row,
     import::{Animation, Part, Primitive},
     motion::Classified,
 };
@@ -13,14 +14,22 @@ use restpose_formats::{
     },
 };
 
-/// Adds parts, primitives, vertices, influences, triangles and morphs. Returns, per source node, its morph set row or
-/// `NONE`.
+/// What parts gave beside their rows.
+pub(crate) struct Geometry {
+    /// Per source node, its morph set row or `NONE`.
+    pub morph_sets: Vec<u32>,
+    /// Per vertex cache of the source, the cache rows of its parts.
+    pub cache_rows: Vec<Vec<u32>>,
+}
+
+/// Adds parts, primitives, vertices, influences, triangles and morphs, and the beginnings of vertex caches.
 pub(crate) fn add_geometry(
     model: &mut Model,
     animation: &Animation,
     classes: &[Classified],
     skeleton: &Skeleton,
-) -> Result<Vec<u32>, BakeError> {
+) -> Result<Geometry, BakeError> {
+    let mut cache_rows = vec![Vec::new(); animation.caches.len()];
     let mut sets = vec![NONE; animation.nodes.len()];
     let any_morphs = classes.iter().any(|class| class.morphs);
     for (index, (part, class)) in animation.parts.iter().zip(classes).enumerate() {
@@ -40,7 +49,17 @@ pub(crate) fn add_geometry(
             primitive_first: row_count("primitives", model.primitives.len())?,
             primitive_count: row_count("primitives", mesh.primitives.len())?,
             morph_set: if class.morphs { sets[part.node] } else { NONE },
-            cache: NONE,
+            cache: match part.cache.filter(|_| class.class != MotionClass::Static) {
+                Some(cache) => {
+                    let row = row_count("vertex caches", model.caches.len())?;
+                    let keys = row_count("keys", animation.caches[cache].frame_count())?;
+                    let (part, bone) = (row_count("parts", index)?, skeleton.first_bone[index]);
+                    model.caches.push(cache_row(part, bone, keys));
+                    cache_rows[cache].push(row);
+                    row
+                }
+                None => NONE,
+            },
         };
         let target_first = if class.morphs {
             model.morph_sets[row.morph_set as usize].target_first
@@ -90,7 +109,10 @@ pub(crate) fn add_geometry(
             .push(row_count("morph deltas", model.morph_deltas.len())?);
     }
     mark_degenerate(model);
-    Ok(sets)
+    Ok(Geometry {
+        morph_sets: sets,
+        cache_rows,
+    })
 }
 
 fn add_morph_set(model: &mut Model, animation: &Animation, part: &Part) -> Result<u32, BakeError> {
@@ -203,10 +225,17 @@ impl Placer<'_> {
 /// Gives triangles that never have area three equal corners, which no tree holds and no ray hits, and counts them.
 fn mark_degenerate(model: &mut Model) {
     let mut count = 0;
-    for index in 0..model.triangles.len() {
-        if is_degenerate(model, &model.triangles[index]) {
-            model.triangles[index].corners = [model.triangles[index].corners[0]; 3];
-            count += 1;
+    for part in 0..model.parts.len() {
+        let part = model.parts[part];
+        // In a vertex cache the other keys have a say; its own stage marks them.
+        if part.cache != NONE {
+            continue;
+        }
+        for index in part.triangle_first as usize..(part.triangle_first + part.triangle_count) as usize {
+            if is_degenerate(model, &model.triangles[index]) {
+                model.triangles[index].corners = [model.triangles[index].corners[0]; 3];
+                count += 1;
+            }
         }
     }
     model.meta.degenerate_triangle_count = count;

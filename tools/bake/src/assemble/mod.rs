@@ -7,7 +7,7 @@ mod skeleton;
 mod weights;
 
 use crate::{BakeError, import::Animation, motion::Classified};
-use restpose_formats::{Model, rows::NONE};
+use restpose_formats::Model;
 
 /// A model without clusters and trees.
 pub(crate) struct Assembled {
@@ -20,15 +20,8 @@ pub(crate) struct Assembled {
 pub(crate) fn assemble(animation: &Animation, classes: &[Classified], clips: &[usize]) -> Result<Assembled, BakeError> {
     let mut model = Model::default();
     let skeleton = skeleton::add_skeleton(&mut model, animation, classes)?;
-    let sets = geometry::add_geometry(&mut model, animation, classes, &skeleton)?;
-    clips::add_clips(
-        &mut model,
-        animation,
-        clips,
-        &skeleton,
-        &sets,
-        &vec![NONE; animation.caches.len()],
-    )?;
+    let geometry = geometry::add_geometry(&mut model, animation, classes, &skeleton)?;
+    clips::add_clips(&mut model, animation, clips, &skeleton, &geometry)?;
     Ok(Assembled {
         model,
         bones_of_part: skeleton.bones_of_part,

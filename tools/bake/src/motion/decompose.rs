@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use restpose_formats::{
     Model,
     geom::Aabb,
-    rows::{MotionClass, ROOT_BONE, TriangleRow},
+    rows::{MotionClass, NONE, ROOT_BONE, TriangleRow},
 };
 
 /// Triangles that one task bounds; their vertices are posed once for all of them.
@@ -45,6 +45,10 @@ pub(crate) fn decompose(
         .collect();
     let mut out = Vec::new();
     for (part, bones) in model.parts.iter().zip(bones_of_part) {
+        if part.cache != NONE {
+            progress.advance(u64::from(part.triangle_count));
+            continue;
+        }
         let first = part.triangle_first as usize;
         let triangles = &model.triangles[first..][..part.triangle_count as usize];
         let chunks: Vec<Vec<Carried>> = triangles

@@ -1,7 +1,7 @@
 use crate::{BakeError, BakeSettings};
 use restpose_formats::{
     Model,
-    rows::{NONE, SampleRow},
+    rows::{ChannelRow, NONE, Path, SampleRow},
 };
 
 /// Samples of one clip that a bake takes: half an hour at sixty a second. A sampled pose of fifty bones is 7 kB.
@@ -17,9 +17,14 @@ pub(crate) fn sample_rows(model: &Model, settings: &BakeSettings) -> Result<Vec<
         seconds: 0.0,
     }];
     for (clip, row) in model.clips.iter().enumerate() {
+        let all = &model.channels[row.channel_first as usize..][..row.channel_count as usize];
+        // Boxes of vertex caches hold between keys without samples.
+        let channels: Vec<&ChannelRow> = all.iter().filter(|channel| channel.path != Path::Frame as u32).collect();
+        if channels.is_empty() {
+            continue;
+        }
         let (start, end) = (f64::from(row.start_seconds), f64::from(row.end_seconds));
         let steps = ((end - start) / settings.sample_step_seconds).ceil();
-        let channels = &model.channels[row.channel_first as usize..][..row.channel_count as usize];
         let keys: u64 = channels.iter().map(|channel| u64::from(channel.key_count)).sum();
         // The cast saturates.
         let count = (steps as u64).saturating_add(keys);

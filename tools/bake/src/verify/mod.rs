@@ -13,7 +13,10 @@ use crate::{
     import::{Animation, ImportError},
 };
 use rayon::prelude::*;
-use restpose_formats::rows::{NONE, SampleRow};
+use restpose_formats::{
+    ModelView,
+    rows::{CacheRow, NONE, SampleRow},
+};
 use restpose_runtime::{Affine, Asset, InstanceId, Ray, Scene};
 use serde::Serialize;
 use std::sync::Arc;
@@ -23,7 +26,8 @@ use std::sync::Arc;
 pub struct VerifySettings {
     /// Rays over all poses. Default 100,000.
     pub rays: u64,
-    /// Poses, spread evenly over the file's samples. Default 16; no more are used than there are samples or rays.
+    /// Poses. Bones and morph weights stand at the file's samples, spread evenly; vertex caches at random times, every
+    /// fourth time at a key. Default 16; no more are used than there are rays, nor, without vertex caches, samples.
     pub poses: u64,
     /// Seed of rays and instance transforms. Default 1.
     pub seed: u64,
@@ -67,6 +71,8 @@ pub struct VerifyReport {
 pub struct Failure {
     /// Row of the sample section.
     pub sample: usize,
+    /// Frames of the vertex caches.
+    pub cache_frames: Vec<f64>,
     /// Ray origin.
     pub origin: [f32; 3],
     /// Ray direction.
@@ -115,7 +121,8 @@ pub fn verify(
         });
     }
     let samples = model.samples.len() as u64;
-    let poses = settings.poses.min(samples).min(settings.rays).max(1);
+    let most_poses = if model.caches.is_empty() { samples } else { u64::MAX };
+    let poses = settings.poses.min(most_poses).min(settings.rays).max(1);
     let mut report = VerifyReport {
         poses,
         samples,
@@ -128,7 +135,8 @@ pub fn verify(
 
     progress.stage("verify", settings.rays);
     for pose in 0..poses {
-        let sample = (pose * samples / poses) as usize;
+        let sample = (u128::from(pose) * u128::from(samples) / u128::from(poses)) as usize;
+        let cache_frames = random_frames(model, pose, &mut random);
         // A file without samples still has the pose without any clip.
         let row = model.samples.get(sample).copied().unwrap_or(SampleRow {
             clip: NONE,
@@ -144,15 +152,17 @@ pub fn verify(
         } else {
             scene.play(instance, row.clip as usize, row.seconds)
         };
+        let played = scene.set_cache_frames(instance, &cache_frames);
         let placed = scene.set_transform(instance, Affine::IDENTITY);
-        debug_assert!(posed.is_ok() && placed.is_ok());
-        let error = source_pose.greatest_error(&scene.commit(), instance, row);
+        debug_assert!(posed.is_ok() && played.is_ok() && placed.is_ok());
+        let error = source_pose.greatest_error(&scene.commit(), instance, row, &cache_frames);
         report.max_vertex_error = report.max_vertex_error.max(error);
 
         let placed = scene.set_transform(instance, transform);
         debug_assert!(placed.is_ok());
         let rays = settings.rays * (pose + 1) / poses - settings.rays * pose / poses;
-        verify_pose(&mut scene, instance, sample, rays, &mut random, &mut report, progress);
+        let stand = (sample, cache_frames.as_slice());
+        verify_pose(&mut scene, instance, stand, rays, &mut random, &mut report, progress);
     }
     Ok(report)
 }
@@ -160,7 +170,7 @@ pub fn verify(
 fn verify_pose(
     scene: &mut Scene,
     instance: InstanceId,
-    sample: usize,
+    (sample, cache_frames): (usize, &[f64]),
     ray_count: u64,
     random: &mut fastrand::Rng,
     report: &mut VerifyReport,
@@ -188,6 +198,7 @@ fn verify_pose(
             let (origin, direction) = (ray.origin, ray.direction);
             report.failures.push(Failure {
                 sample,
+                cache_frames: cache_frames.to_vec(),
                 origin,
                 direction,
                 expected: brief(expected),
@@ -196,6 +207,19 @@ fn verify_pose(
         }
     }
     report.oracle_tests += ray_count * oracle.triangle_count() as u64;
+}
+
+/// Where each vertex cache stands in a pose: at a key in every fourth, else anywhere between its first and last.
+fn random_frames(model: &ModelView, pose: u64, random: &mut fastrand::Rng) -> Vec<f64> {
+    let frame = |cache: &CacheRow| {
+        let last = cache.key_count - 1;
+        if pose.is_multiple_of(4) {
+            f64::from(random.u32(0..=last))
+        } else {
+            random.f64() * f64::from(last)
+        }
+    };
+    model.caches.iter().map(frame).collect()
 }
 
 /// A rotation, mirrored at times, with uneven scale and a translation of a few units.

@@ -23,6 +23,8 @@ pub struct SourcePose<'a> {
     weights: Vec<Vec<f64>>,
     /// Per vertex cache: its frame.
     frames: Vec<f64>,
+    /// Per part: the cache row of the file.
+    cache_rows: Vec<Option<usize>>,
 }
 
 impl<'a> SourcePose<'a> {
@@ -55,12 +57,24 @@ impl<'a> SourcePose<'a> {
             worlds: vec![DAffine3::IDENTITY; animation.nodes.len()],
             weights: vec![Vec::new(); animation.nodes.len()],
             frames: vec![0.0; animation.caches.len()],
+            cache_rows: model
+                .parts
+                .iter()
+                .map(|part| (part.cache != NONE).then_some(part.cache as usize))
+                .collect(),
         }
     }
 
     /// The greatest distance between a vertex in `frame` and in the source at `sample`, relative to the diagonal of
-    /// the box around the source's vertices. The instance stands at the identity.
-    pub fn greatest_error(&mut self, frame: &Frame, instance: InstanceId, sample: SampleRow) -> f64 {
+    /// the box around the source's vertices. The instance stands at the identity; its caches, by cache row of the file, at
+    /// `cache_frames`, whatever the sample says.
+    pub fn greatest_error(
+        &mut self,
+        frame: &Frame,
+        instance: InstanceId,
+        sample: SampleRow,
+        cache_frames: &[f64],
+    ) -> f64 {
         let mut row = 0;
         let (mut low, mut high, mut greatest) = (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0f64);
         for (index, part) in self.animation.parts.iter().enumerate() {
@@ -70,6 +84,9 @@ impl<'a> SourcePose<'a> {
                 self.clips.get(sample.clip as usize).copied()
             };
             self.pose_nodes(clip, f64::from(sample.seconds));
+            if let (Some(cache), Some(row)) = (part.cache, self.cache_rows[index]) {
+                self.frames[cache] = cache_frames[row];
+            }
             for (primitive, source) in self.animation.meshes[part.mesh].primitives.iter().enumerate() {
                 for vertex in 0..source.positions.len() {
                     let expected = self.vertex(part, primitive, vertex);

@@ -1,0 +1,274 @@
+use super::{
+    homes::{shared_points, weld},
+    report::{CacheReport, SegmentReport},
+    rows,
+    segment::{PartKeys, Segment},
+    split::split_in_time,
+};
+use crate::{
+    BakeError, BakeSettings, Progress,
+    cost::{FUZZY_TREE, expected_cost, is_free},
+    import::Animation,
+    motion::keyframed::{DecomposeSettings, ClusterMotion},
+    motion::Classified,
+};
+use restpose_formats::{
+    Model,
+    geom::Aabb,
+    rows::{CacheRow, MotionClass, NONE},
+};
+use restpose_runtime::build::{KdBuilder, KdTree};
+use std::borrow::Cow;
+
+/// Part of the model's diagonal that positions may be off by where the settings do not say.
+const DEFAULT_POSITION_ERROR: f64 = 1.0 / 65_536.0;
+
+/// Keys for which a tree over posed triangles is built, to compare with.
+const COMPARED_KEYS: usize = 5;
+
+/// Bakes the caches of all parts that have one: their rows, and their part's class, reason and rest positions.
+///
+/// Gives one report per part, `None` for those without a cache.
+pub(crate) fn add_caches(
+    model: &mut Model,
+    animation: &Animation,
+    classes: &mut [Classified],
+    settings: &BakeSettings,
+    progress: &dyn Progress,
+) -> Result<Vec<Option<CacheReport>>, BakeError> {
+    let mut out = Vec::with_capacity(classes.len());
+    for (part, class) in classes.iter_mut().enumerate() {
+        out.push(match model.parts[part].cache {
+            NONE => None,
+            cache => Some(add_cache(model, animation, part, cache as usize, class, settings, progress)?),
+        });
+    }
+    rows::close_words(model)?;
+    Ok(out)
+}
+
+fn add_cache(
+    model: &mut Model,
+    animation: &Animation,
+    part: usize,
+    cache: usize,
+    class: &mut Classified,
+    settings: &BakeSettings,
+    progress: &dyn Progress,
+) -> Result<CacheReport, BakeError> {
+    let mut keys = part_keys(animation, part);
+    let triangles = triangles_with_area(model, part, &mut keys);
+    if triangles.is_empty() {
+        return Err(BakeError::NothingToTrace);
+    }
+    let budget = settings.position_error.unwrap_or_else(|| diagonal(&keys) * DEFAULT_POSITION_ERROR);
+    let decompose = DecomposeSettings {
+        rigid_tolerance: budget,
+        ..settings.motion.clone()
+    };
+    let last = keys.frames.len() - 1;
+    let whole = Segment::new(&keys, 0..=last, &decompose, budget, progress)?;
+    let rebuilt = rebuilt_cost(&keys);
+    let (one_cost, one_bytes) = (whole.cost, whole.byte_count());
+    let counts = KindCounts::new(&whole);
+    let all_rigid = counts.coherent_triangles == 0 && whole.clusters.len() == 1;
+    let (found, numbers) = if all_rigid {
+        (MotionClass::Rigid, "one map moves all of it".to_owned())
+    } else {
+        let free = is_free(whole.cost, rebuilt, triangles.len(), settings.rays_per_frame);
+        let class = if free { MotionClass::Free } else { MotionClass::Keyframed };
+        (class, counts.text())
+    };
+    class.decide(part_name(animation, part), found, |asked| {
+        let kind = if asked { "asked for; " } else { "" };
+        format!("{kind}{numbers}; expected steps per ray {one_cost:.1}, rebuilt every frame {rebuilt:.1}")
+    })?;
+
+    let mut report = CacheReport {
+        keys: keys.frames.len() as u64,
+        position_error: 0.0,
+        bytes_per_vertex_key: 12.0,
+        expected_cost: one_cost,
+        expected_cost_one_segment: one_cost,
+        expected_cost_rebuilt: rebuilt,
+        residual: 0.0,
+        bytes: 0,
+        bytes_one_segment: one_bytes,
+        segments: Vec::new(),
+    };
+    model.parts[part].class = class.class as u32;
+    let (vertex_first, vertex_count) = (model.parts[part].vertex_first as usize, keys.weld.len());
+    let mut rest_key = 0;
+    if class.class == MotionClass::Free {
+        rows::add_free(model, cache, &keys.frames, vertex_count, &triangles)?;
+        report.bytes = (vertex_count * (12 * keys.frames.len() + 24)) as u64;
+    } else {
+        let segments = split_in_time(&keys, whole, &settings.segments, &decompose, budget, progress)?;
+        rows::add_coherent(model, cache, &segments, &triangles)?;
+        rest_key = segments[0].rest_key;
+        let intervals = |segment: &Segment| (segment.keys.end() - segment.keys.start()).max(1) as f64;
+        let all: f64 = segments.iter().map(intervals).sum();
+        report.expected_cost = segments.iter().map(|segment| segment.cost * intervals(segment)).sum::<f64>() / all;
+        report.position_error = segments.iter().map(|segment| segment.stored.error).fold(0.0, f64::max);
+        report.bytes = segments.iter().map(Segment::byte_count).sum();
+        let position_bytes: usize = segments
+            .iter()
+            .map(|segment| 4 * segment.stored.words.len() + 24 * segment.stored.rows.len())
+            .sum();
+        report.bytes_per_vertex_key = position_bytes as f64 / (vertex_count * keys.frames.len()) as f64;
+        report.residual = segments.iter().map(|segment| residual(segment)).fold(0.0, f64::max);
+        report.segments = segments.iter().map(SegmentReport::new).collect();
+    }
+    model.caches[cache].position_error = restpose_formats::geom::round::f32_above(report.position_error);
+    let rows = &mut model.vertices[vertex_first..vertex_first + vertex_count];
+    for (row, position) in rows.iter_mut().zip(keys.frames[rest_key].iter()) {
+        row.position_rest = *position;
+    }
+    Ok(report)
+}
+
+fn part_name(animation: &Animation, part: usize) -> &str {
+    &animation.parts[part].name
+}
+
+/// The part's positions in every key, by the order of its vertices in the file.
+fn part_keys(animation: &Animation, part: usize) -> PartKeys<'_> {
+    let source = &animation.parts[part];
+    let primitives = &animation.meshes[source.mesh].primitives;
+    let points: Vec<u32> = primitives.iter().flat_map(|primitive| primitive.points.iter().copied()).collect();
+    let cache = source.cache.map(|cache| &animation.caches[cache]);
+    let in_order = cache.is_some_and(|cache| points.iter().copied().eq(0..cache.point_count as u32));
+    let frames: Vec<Cow<[[f32; 3]]>> = cache
+        .map(|cache| {
+            (0..cache.frame_count())
+                .map(|key| match cache.frame(key) {
+                    frame if in_order => Cow::Borrowed(frame),
+                    frame => points.iter().map(|point| frame[*point as usize]).collect(),
+                })
+                .collect()
+        })
+        .unwrap_or_default();
+    let users = animation.parts.iter().filter(|other| other.cache == source.cache);
+    let shared = shared_points(
+        cache.map_or(0, |cache| cache.point_count),
+        users.flat_map(|user| &animation.meshes[user.mesh].primitives),
+    );
+    PartKeys {
+        weld: weld(&frames),
+        frames,
+        triangles: Vec::new(),
+        raw: points.iter().map(|point| shared[*point as usize]).collect(),
+    }
+}
+
+/// Fills in the triangles and gives their rows; those with two corners that coincide in every key are marked degenerate.
+fn triangles_with_area(model: &mut Model, part: usize, keys: &mut PartKeys) -> Vec<u32> {
+    let row = model.parts[part];
+    let mut out = Vec::with_capacity(row.triangle_count as usize);
+    for triangle in row.triangle_first..row.triangle_first + row.triangle_count {
+        let corners = &mut model.triangles[triangle as usize].corners;
+        let local = corners.map(|corner| corner - row.vertex_first);
+        let [a, b, c] = local.map(|corner| keys.weld[corner as usize]);
+        if a == b || b == c || c == a {
+            *corners = [corners[0]; 3];
+            model.meta.degenerate_triangle_count += 1;
+        } else {
+            keys.triangles.push(local);
+            out.push(triangle);
+        }
+    }
+    out
+}
+
+/// Greatest diagonal of the box around the part at any key.
+fn diagonal(keys: &PartKeys) -> f64 {
+    keys.frames.iter().fold(0.0, |longest, frame| {
+        let bounds = Aabb::around(frame.iter().copied());
+        let square: f64 = (0..3).map(|k| (f64::from(bounds.max[k]) - f64::from(bounds.min[k])).powi(2)).sum();
+        f64::max(longest, square.sqrt())
+    })
+}
+
+/// Expected cost through a tree over the posed triangles, mean over a few keys.
+fn rebuilt_cost(keys: &PartKeys) -> f64 {
+    let count = keys.frames.len().min(COMPARED_KEYS);
+    let cost = |place: usize| {
+        let frame = &keys.frames[place * keys.frames.len() / count];
+        let boxes: Vec<Aabb> = keys
+            .triangles
+            .iter()
+            .map(|triangle| Aabb::around(triangle.map(|corner| frame[corner as usize])))
+            .collect();
+        let mut tree = KdTree::default();
+        KdBuilder::new().build(&boxes, &FUZZY_TREE, &mut tree);
+        let bounds = [tree.bounds];
+        expected_cost([(&tree, bounds.as_slice())].into_iter())
+    };
+    (0..count).map(cost).sum::<f64>() / count as f64
+}
+
+/// Clusters and triangles by kind.
+#[derive(Default)]
+struct KindCounts {
+    static_triangles: usize,
+    rigid: usize,
+    rigid_triangles: usize,
+    coherent: usize,
+    coherent_triangles: usize,
+}
+
+impl KindCounts {
+    fn new(segment: &Segment) -> Self {
+        let mut out = Self::default();
+        for cluster in &segment.clusters {
+            let triangles = cluster.triangles.len();
+            match cluster.kind {
+                ClusterMotion::Static => out.static_triangles += triangles,
+                ClusterMotion::Rigid => {
+                    out.rigid += 1;
+                    out.rigid_triangles += triangles;
+                }
+                ClusterMotion::Coherent => {
+                    out.coherent += 1;
+                    out.coherent_triangles += triangles;
+                }
+            }
+        }
+        out
+    }
+
+    fn text(&self) -> String {
+        let mut out = Vec::new();
+        if self.static_triangles > 0 {
+            out.push(format!("{} triangles never move", self.static_triangles));
+        }
+        if self.rigid > 0 {
+            out.push(format!("{} rigid clusters of {} triangles", self.rigid, self.rigid_triangles));
+        }
+        if self.coherent > 0 {
+            out.push(format!(
+                "{} coherent clusters of {} triangles",
+                self.coherent, self.coherent_triangles
+            ));
+        }
+        out.join(", ")
+    }
+}
+
+/// The row of a part's cache, before its segments are known.
+pub(crate) fn cache_row(part: u32, bone: u32, key_count: u32) -> CacheRow {
+    CacheRow {
+        part,
+        bone,
+        key_count,
+        segment_first: 0,
+        segment_count: 0,
+        position_error: 0.0,
+        reserved: [0; 2],
+    }
+}
+
+/// Root of the mean squared residual of a segment, scene units.
+fn residual(segment: &Segment) -> f64 {
+    segment.report.steps.last().map_or(0.0, |step| step.residual)
+}

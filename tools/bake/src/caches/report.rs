@@ -1,0 +1,71 @@
+use super::segment::Segment;
+use crate::motion::keyframed::DecomposeReport;
+use serde::Serialize;
+
+/// How a vertex cache was baked.
+#[derive(Clone, Debug, Serialize)]
+pub struct CacheReport {
+    /// Key frames.
+    pub keys: u64,
+    /// Greatest distance between a stored position and the source's at any key, scene units: a bound.
+    pub position_error: f64,
+    /// Bytes that positions take in the file, per vertex and key frame. Raw `f32` take 12.
+    pub bytes_per_vertex_key: f64,
+    /// Expected steps of a ray that meets the part, through the fuzzy trees.
+    pub expected_cost: f64,
+    /// The same with one segment over all keys: what time segments gain.
+    pub expected_cost_one_segment: f64,
+    /// The same through a tree over the posed triangles, mean over a few keys.
+    pub expected_cost_rebuilt: f64,
+    /// Greatest root of the mean squared residual over the segments, scene units.
+    pub residual: f64,
+    /// Bytes of clusters, tracks, positions and trees.
+    pub bytes: u64,
+    /// The same with one segment.
+    pub bytes_one_segment: u64,
+    /// Time segments; empty in free motion.
+    pub segments: Vec<SegmentReport>,
+}
+
+/// One time segment.
+#[derive(Clone, Debug, Serialize)]
+pub struct SegmentReport {
+    /// First key that it covers.
+    pub key_first: u64,
+    /// Last key that it covers.
+    pub key_last: u64,
+    /// Clusters.
+    pub clusters: u64,
+    /// Key whose positions are the rest pose, counted in the whole animation.
+    pub rest_key: u64,
+    /// Key intervals of all clusters through which no tree is used, because the cluster turns over or collapses.
+    pub cut_intervals: u64,
+    /// Sum of the surface areas of its fuzzy boxes, square scene units.
+    pub fuzzy_box_area: f64,
+    /// Expected steps of a ray that meets the part.
+    pub expected_cost: f64,
+    /// Bytes in the file.
+    pub bytes: u64,
+    /// How its clusters were found.
+    pub decomposition: DecomposeReport,
+}
+
+impl SegmentReport {
+    pub(super) fn new(segment: &Segment) -> Self {
+        let keys = &segment.keys;
+        let cut = |cluster: &super::segment::SegmentCluster| {
+            (0..cluster.key_bounds.len()).filter(|key| cluster.track.is_cut(*key)).count() as u64
+        };
+        Self {
+            key_first: *keys.start() as u64,
+            key_last: *keys.end() as u64,
+            clusters: segment.clusters.len() as u64,
+            rest_key: segment.rest_key as u64,
+            cut_intervals: segment.clusters.iter().map(cut).sum(),
+            fuzzy_box_area: segment.fuzzy_box_area(),
+            expected_cost: segment.cost,
+            bytes: segment.byte_count(),
+            decomposition: segment.report.clone(),
+        }
+    }
+}

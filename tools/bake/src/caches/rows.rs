@@ -1,0 +1,224 @@
+use super::segment::{Segment, SegmentCluster};
+use crate::{BakeError, assemble::row_count};
+use restpose_formats::{
+    Model,
+    geom::Aabb,
+    rows::{
+        CacheRow, ClusterBoneRow, ClusterRow, KdNode, KdNodeRow, KeyRow, KeyVertexRow, NONE, SegmentRow, TrackRow,
+    },
+};
+
+/// The track without keys: local space is the cache's own.
+const OWN_SPACE: TrackRow = TrackRow {
+    key_first: NONE,
+    origin: [0.0; 3],
+    step: 1.0,
+    reserved: [0; 3],
+};
+
+/// A cache whose part is in coherent motion. `triangles` are the triangle rows that the segments' numbers stand for.
+pub(super) fn add_coherent(
+    model: &mut Model,
+    cache: usize,
+    segments: &[Segment],
+    triangles: &[u32],
+) -> Result<(), BakeError> {
+    model.caches[cache].segment_first = row_count("segments", model.segments.len())?;
+    model.caches[cache].segment_count = row_count("segments", segments.len())?;
+    for segment in segments {
+        add_segment(model, cache, segment, triangles)?;
+    }
+    Ok(())
+}
+
+fn add_segment(model: &mut Model, cache: usize, segment: &Segment, triangles: &[u32]) -> Result<(), BakeError> {
+    let own_space = u32::from(segment.stored.has_raw());
+    let cluster_count = row_count("clusters", segment.clusters.len())?;
+    let track_first = row_count("tracks", model.tracks.len())?;
+    model.segments.push(SegmentRow {
+        key_first: row_count("keys", *segment.keys.start())?,
+        key_count: row_count("keys", segment.keys.end() - segment.keys.start() + 1)?,
+        track_first,
+        track_count: cluster_count + own_space,
+        cluster_first: row_count("clusters", model.clusters.len())?,
+        cluster_count,
+        key_vertex_first: row_count("key vertices", model.key_vertices.len())?,
+        reserved: 0,
+    });
+    let extents = add_positions(model, segment, track_first)?;
+    for (index, cluster) in (0u32..).zip(&segment.clusters) {
+        model.tracks.push(TrackRow {
+            key_first: row_count("keys", model.keys.len())?,
+            origin: [0.0; 3],
+            step: Some(segment.stored.steps[index as usize]).filter(|step| *step > 0.0).unwrap_or(1.0),
+            reserved: [0; 3],
+        });
+        for (key, (map, bounds)) in cluster.track.maps().iter().zip(&cluster.key_bounds).enumerate() {
+            model.keys.push(KeyRow {
+                map: bytemuck::cast(map.columns),
+                bounds: *bounds,
+                flags: u32::from(cluster.track.is_cut(key)) * KeyRow::CUT,
+                reserved: 0,
+            });
+        }
+        let bones = cluster_bones(segment, cluster, track_first, &extents);
+        let row = ClusterRow {
+            bone: model.caches[cache].bone,
+            node_first: row_count("tree nodes", model.kd_nodes.len())?,
+            node_count: row_count("tree nodes", cluster.tree.nodes.len())?,
+            reference_first: row_count("triangle references", model.references.len())?,
+            reference_count: row_count("triangle references", cluster.tree.references.len())?,
+            cluster_bone_first: row_count("cluster bones", model.cluster_bones.len())?,
+            cluster_bone_count: row_count("cluster bones", bones.len())?,
+            triangle_count: row_count("triangles", cluster.triangles.len())?,
+            bounds_local: cluster.tree.bounds,
+            track: track_first + index,
+            reserved: 0,
+        };
+        model.clusters.push(row);
+        model.cluster_bones.extend(bones);
+        model.kd_nodes.extend_from_slice(&cluster.tree.nodes);
+        let triangle = |place: &u32| triangles[cluster.triangles[*place as usize] as usize];
+        model.references.extend(cluster.tree.references.iter().map(triangle));
+    }
+    if own_space > 0 {
+        model.tracks.push(OWN_SPACE);
+    }
+    row_count("tree nodes", model.kd_nodes.len())?;
+    row_count("triangle references", model.references.len())?;
+    Ok(())
+}
+
+/// Adds a segment's key vertices and words; gives each vertex's greatest stored numbers.
+fn add_positions(model: &mut Model, segment: &Segment, track_first: u32) -> Result<Vec<[f32; 3]>, BakeError> {
+    let word_first = row_count("key words", model.key_words.len())?;
+    row_count("key words", model.key_words.len() + segment.stored.words.len())?;
+    let key_count = segment.keys.end() - segment.keys.start() + 1;
+    let extents = segment.stored.rows.iter().map(|row| stored_extent(row, &segment.stored.words, key_count));
+    let extents = extents.collect();
+    model.key_vertices.extend(segment.stored.rows.iter().map(|row| KeyVertexRow {
+        track: track_first + row.track,
+        word_first: word_first + row.word_first,
+        ..*row
+    }));
+    row_count("key vertices", model.key_vertices.len())?;
+    model.key_words.extend_from_slice(&segment.stored.words);
+    Ok(extents)
+}
+
+/// Bounds the numbers that a key vertex stores, as `FORMAT.md` 6.3 says.
+fn stored_extent(row: &KeyVertexRow, words: &[u32], key_count: usize) -> [f32; 3] {
+    if row.raw != 0 {
+        let words = &words[row.word_first as usize..][..3 * key_count];
+        let points = words.as_chunks::<3>().0.iter();
+        return points.fold([0.0f32; 3], |extent, point| {
+            std::array::from_fn(|k| extent[k].max(f32::from_bits(point[k]).abs()))
+        });
+    }
+    std::array::from_fn(|k| {
+        let last = row.base[k] + (1 << row.widths[k]) - 1;
+        row.base[k].abs().max(last.abs()) as f32
+    })
+}
+
+/// The tracks that move the cluster's vertices, ascending, with the extent of what they move.
+fn cluster_bones(
+    segment: &Segment,
+    cluster: &SegmentCluster,
+    track_first: u32,
+    extents: &[[f32; 3]],
+) -> Vec<ClusterBoneRow> {
+    let mut by_track: Vec<Option<[f32; 3]>> = vec![None; segment.clusters.len() + 1];
+    for vertex in &cluster.vertices {
+        let track = segment.stored.rows[*vertex as usize].track;
+        let extent = by_track[track as usize].get_or_insert([0.0; 3]);
+        *extent = std::array::from_fn(|k| extent[k].max(extents[*vertex as usize][k]));
+    }
+    let row = |(track, extent): (u32, Option<[f32; 3]>)| {
+        Some(ClusterBoneRow {
+            bone: track_first + track,
+            extent: extent?,
+        })
+    };
+    (0u32..).zip(by_track).filter_map(row).collect()
+}
+
+/// A cache whose part is in free motion: positions as they are, and one list of triangles.
+pub(super) fn add_free<F: AsRef<[[f32; 3]]>>(
+    model: &mut Model,
+    cache: usize,
+    frames: &[F],
+    vertex_count: usize,
+    triangles: &[u32],
+) -> Result<(), BakeError> {
+    let CacheRow { bone, key_count, .. } = model.caches[cache];
+    let track = row_count("tracks", model.tracks.len())?;
+    model.caches[cache].segment_first = row_count("segments", model.segments.len())?;
+    model.caches[cache].segment_count = 1;
+    model.segments.push(SegmentRow {
+        key_first: 0,
+        key_count,
+        track_first: track,
+        track_count: 1,
+        cluster_first: row_count("clusters", model.clusters.len())?,
+        cluster_count: 1,
+        key_vertex_first: row_count("key vertices", model.key_vertices.len())?,
+        reserved: 0,
+    });
+    model.tracks.push(OWN_SPACE);
+    let mut extent = [0.0f32; 3];
+    let mut bounds = Aabb::EMPTY;
+    for vertex in 0..vertex_count {
+        model.key_vertices.push(KeyVertexRow {
+            base: [0; 3],
+            track,
+            word_first: row_count("key words", model.key_words.len())?,
+            widths: [0; 3],
+            raw: 1,
+        });
+        for frame in frames {
+            let position = frame.as_ref()[vertex];
+            model.key_words.extend(position.map(f32::to_bits));
+        }
+    }
+    for triangle in triangles {
+        for corner in model.triangles[*triangle as usize].corners {
+            let row = &model.key_vertices[model.key_vertices.len() - vertex_count..]
+                [(corner - model.parts[model.caches[cache].part as usize].vertex_first) as usize];
+            for point in model.key_words[row.word_first as usize..][..3 * frames.len()].as_chunks::<3>().0 {
+                let point = point.map(f32::from_bits);
+                bounds = bounds.with_point(point);
+                extent = std::array::from_fn(|k| extent[k].max(point[k].abs()));
+            }
+        }
+    }
+    let count = row_count("triangle references", triangles.len())?;
+    model.clusters.push(ClusterRow {
+        bone,
+        node_first: row_count("tree nodes", model.kd_nodes.len())?,
+        node_count: 1,
+        reference_first: row_count("triangle references", model.references.len())?,
+        reference_count: count,
+        cluster_bone_first: row_count("cluster bones", model.cluster_bones.len())?,
+        cluster_bone_count: 1,
+        triangle_count: count,
+        bounds_local: bounds,
+        track,
+        reserved: 0,
+    });
+    model.kd_nodes.push(KdNodeRow::pack(KdNode::Leaf { first: 0, count }));
+    model.references.extend_from_slice(triangles);
+    model.cluster_bones.push(ClusterBoneRow { bone: track, extent });
+    row_count("tree nodes", model.kd_nodes.len())?;
+    row_count("triangle references", model.references.len())?;
+    Ok(())
+}
+
+/// Closes the section of positions, once all caches are in.
+pub(super) fn close_words(model: &mut Model) -> Result<(), BakeError> {
+    if !model.caches.is_empty() {
+        model.key_words.extend([0; KeyVertexRow::CLOSING_WORDS]);
+    }
+    row_count("key words", model.key_words.len())?;
+    Ok(())
+}

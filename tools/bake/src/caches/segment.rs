@@ -1,0 +1,216 @@
+use super::{
+    homes::homes,
+    key_track::KeyTrack,
+    stored_positions::{Home, StoredPositions},
+};
+use crate::{
+    BakeError, Progress,
+    bounds::FuzzyBox,
+    motion::keyframed::{DecomposeReport, DecomposeSettings, Decomposition, KeyFrames, ClusterMotion, decompose_keys},
+    cost::{FUZZY_TREE, expected_cost},
+};
+use rayon::prelude::*;
+use restpose_formats::geom::Aabb;
+use restpose_runtime::build::{KdBuilder, KdTree};
+use std::ops::RangeInclusive;
+
+/// 2⁻⁴⁸: rounding of a decoded position in `f64`, relative to the magnitudes that enter it.
+const POSITION_ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
+
+/// Vertices that one task bounds.
+const VERTICES_PER_TASK: usize = 256;
+
+/// A part's mesh in all key frames, as its cluster stage sees it.
+pub(crate) struct PartKeys<'a> {
+    /// Per key, one position per vertex of the part.
+    pub frames: Vec<std::borrow::Cow<'a, [[f32; 3]]>>,
+    /// Triangles with area, corners counted from the part's first vertex.
+    pub triangles: Vec<[u32; 3]>,
+    /// Per vertex, the least vertex that coincides with it in every key.
+    pub weld: Vec<u32>,
+    /// Per vertex, whether it is stored as it is because another part stores it too.
+    pub raw: Vec<bool>,
+}
+
+/// What a segment's clusters, tracks, positions and trees are.
+pub(crate) struct Segment {
+    /// Keys that it covers.
+    pub keys: RangeInclusive<usize>,
+    pub clusters: Vec<SegmentCluster>,
+    pub stored: StoredPositions,
+    /// Key whose positions are the rest pose.
+    pub rest_key: usize,
+    /// Expected cost of a ray that meets the part's box, mean over the keys: traversal steps.
+    pub cost: f64,
+    pub report: DecomposeReport,
+}
+
+/// A cluster of a segment.
+pub(crate) struct SegmentCluster {
+    pub kind: ClusterMotion,
+    pub track: KeyTrack,
+    /// Places of its triangles in [`PartKeys::triangles`], ascending.
+    pub triangles: Vec<u32>,
+    /// Their fuzzy boxes.
+    pub boxes: Vec<Aabb>,
+    /// Over these.
+    pub tree: KdTree,
+    /// Around its vertices at each key, in the cache's space.
+    pub key_bounds: Vec<Aabb>,
+    /// Per vertex of its triangles in order, none twice.
+    pub vertices: Vec<u32>,
+}
+
+impl Segment {
+    /// Decomposes the motion of `part` over `keys`, stores its positions, and builds a tree for each cluster.
+    pub(crate) fn new(
+        part: &PartKeys,
+        keys: RangeInclusive<usize>,
+        settings: &DecomposeSettings,
+        budget: f64,
+        progress: &dyn Progress,
+    ) -> Result<Self, BakeError> {
+        let frames = &part.frames[keys.clone()];
+        let input = KeyFrames {
+            frames: frames.iter().map(AsRef::as_ref).collect(),
+            triangles: &part.triangles,
+        };
+        let Decomposition {
+            clusters,
+            cluster_of,
+            rest_key,
+            report,
+        } = decompose_keys(&input, settings, progress);
+        let tracks: Vec<KeyTrack> = clusters.iter().map(|track| KeyTrack::new(&track.from_local)).collect();
+        let home = |(cluster, raw): (u32, &bool)| if *raw { Home::Raw } else { Home::Cluster(cluster) };
+        let homes = homes(&part.weld, &part.triangles, &cluster_of);
+        let homes: Vec<Home> = homes.into_iter().zip(&part.raw).map(home).collect();
+        let stored = StoredPositions::new(frames, &tracks, &homes, budget)?;
+
+        let mut members = vec![Vec::new(); tracks.len()];
+        for (triangle, cluster) in (0u32..).zip(&cluster_of) {
+            members[*cluster as usize].push(triangle);
+        }
+        let bounded: Vec<Bounded> = members
+            .iter()
+            .zip(&tracks)
+            .map(|(triangles, track)| Bounded::new(part, frames.len(), triangles, track, &tracks, &stored))
+            .collect();
+        let trees: Vec<KdTree> = bounded
+            .par_iter()
+            .map_init(KdBuilder::new, |builder, bounded| {
+                let mut tree = KdTree::default();
+                builder.build(&bounded.boxes, &FUZZY_TREE, &mut tree);
+                tree
+            })
+            .collect();
+        let parts = clusters.into_iter().zip(tracks).zip(members).zip(bounded).zip(trees);
+        let clusters: Vec<SegmentCluster> = parts
+            .map(|((((found, track), triangles), bounded), tree)| SegmentCluster {
+                kind: found.motion,
+                track,
+                triangles,
+                boxes: bounded.boxes,
+                tree,
+                key_bounds: bounded.key_bounds,
+                vertices: bounded.vertices,
+            })
+            .collect();
+        let entered = clusters.iter().map(|cluster| (&cluster.tree, cluster.key_bounds.as_slice()));
+        let cost = expected_cost(entered);
+        Ok(Self {
+            rest_key: keys.start() + rest_key,
+            keys,
+            clusters,
+            stored,
+            cost,
+            report,
+        })
+    }
+
+    /// Sum of the surface areas of all fuzzy boxes, square scene units.
+    pub(crate) fn fuzzy_box_area(&self) -> f64 {
+        let boxes = self.clusters.iter().flat_map(|cluster| &cluster.boxes);
+        boxes.map(Aabb::surface_area).sum()
+    }
+
+    /// Bytes of its rows in the file.
+    pub(crate) fn byte_count(&self) -> u64 {
+        use restpose_formats::rows::{ClusterBoneRow, ClusterRow, KdNodeRow, KeyRow, KeyVertexRow, SegmentRow, TrackRow};
+        let keys = self.keys.end() - self.keys.start() + 1;
+        let per_cluster = size_of::<ClusterRow>() + size_of::<TrackRow>() + keys * size_of::<KeyRow>();
+        let trees: usize = self
+            .clusters
+            .iter()
+            .map(|cluster| {
+                cluster.tree.nodes.len() * size_of::<KdNodeRow>()
+                    + cluster.tree.references.len() * size_of::<u32>()
+                    + size_of::<ClusterBoneRow>()
+            })
+            .sum();
+        let positions = self.stored.words.len() * size_of::<u32>() + self.stored.rows.len() * size_of::<KeyVertexRow>();
+        (size_of::<SegmentRow>() + self.clusters.len() * per_cluster + trees + positions) as u64
+    }
+}
+
+/// The fuzzy boxes of one cluster.
+struct Bounded {
+    boxes: Vec<Aabb>,
+    key_bounds: Vec<Aabb>,
+    vertices: Vec<u32>,
+}
+
+impl Bounded {
+    fn new(
+        part: &PartKeys,
+        key_count: usize,
+        triangles: &[u32],
+        track: &KeyTrack,
+        tracks: &[KeyTrack],
+        stored: &StoredPositions,
+    ) -> Self {
+        let corners = |triangle: &u32| part.triangles[*triangle as usize];
+        let mut vertices: Vec<u32> = triangles.iter().flat_map(corners).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let chunks: Vec<(Vec<FuzzyBox>, Vec<FuzzyBox>)> = vertices
+            .par_chunks(VERTICES_PER_TASK)
+            .map(|vertices| {
+                let mut at_keys = vec![FuzzyBox::EMPTY; key_count];
+                let mut local = vec![[0.0; 3]; key_count];
+                let bound = |vertex: &u32| {
+                    for (key, local) in local.iter_mut().enumerate() {
+                        let position = stored.position(tracks, *vertex as usize, key);
+                        at_keys[key].add(position);
+                        *local = track.local(key, position);
+                    }
+                    track.fuzzy_box(&local)
+                };
+                (vertices.iter().map(bound).collect(), at_keys)
+            })
+            .collect();
+        let mut fuzzy = Vec::with_capacity(vertices.len());
+        let mut at_keys = vec![FuzzyBox::EMPTY; key_count];
+        for (boxes, keys) in chunks {
+            fuzzy.extend(boxes);
+            at_keys.iter_mut().zip(keys).for_each(|(all, more)| *all = all.union(more));
+        }
+        let error = track.error(stored.reach);
+        let decoding = stored.reach * POSITION_ROUNDING;
+        let boxes = triangles
+            .iter()
+            .map(|triangle| {
+                let all = corners(triangle).iter().fold(FuzzyBox::EMPTY, |all, corner| {
+                    all.union(fuzzy[vertices.partition_point(|vertex| vertex < corner)])
+                });
+                all.rounded_outwards(error)
+            })
+            .collect();
+        let key_bounds = at_keys.iter().map(|bounds| bounds.rounded_outwards(decoding)).collect();
+        Self {
+            boxes,
+            key_bounds,
+            vertices,
+        }
+    }
+}
