@@ -115,8 +115,9 @@ impl KeyVertexRow {
     pub const MAX_WIDTH: u8 = 21;
     /// Lattice coordinates are at most this in magnitude, so that each is an `f32`.
     pub const MAX_COORDINATE: i32 = 1 << 24;
-    /// Zero words that close the key-word section: a record is read as three words wherever it begins.
-    pub const CLOSING_WORDS: usize = 2;
+    /// Zero words that close the key-word section: a record is read as three words wherever it begins, and one without
+    /// bits may begin where they do.
+    pub const CLOSING_WORDS: usize = 3;
 
     /// Bits of one key's record.
     #[inline]
@@ -133,6 +134,31 @@ impl KeyVertexRow {
     #[must_use]
     pub fn word_count(&self, key_count: u32) -> u64 {
         (u64::from(self.record_bits()) * u64::from(key_count)).div_ceil(32)
+    }
+
+    /// Bounds the magnitudes, per axis, of the stored numbers of all keys: exact for raw positions.
+    ///
+    /// # Panics
+    /// When the rows were never checked and the row breaks their rules.
+    #[must_use]
+    pub fn reach(&self, words: &[u32], key_count: u32) -> [f32; 3] {
+        if self.raw == 0 {
+            return std::array::from_fn(|k| {
+                let [least, greatest] = self.lattice_range(k);
+                least.unsigned_abs().max(greatest.unsigned_abs()) as f32
+            });
+        }
+        let first = self.word_first as usize;
+        let (points, _) = words[first..first + self.word_count(key_count) as usize].as_chunks::<3>();
+        points.iter().fold([0.0f32; 3], |reach, point| {
+            std::array::from_fn(|k| reach[k].max(f32::from_bits(point[k]).abs()))
+        })
+    }
+
+    /// The least and the greatest lattice coordinate that a record may hold on an axis. Widths are in range.
+    pub(crate) fn lattice_range(&self, axis: usize) -> [i64; 2] {
+        let least = i64::from(self.base[axis]);
+        [least, least + (1 << self.widths[axis]) - 1]
     }
 
     /// The stored numbers of one key, counted from the segment's first: lattice coordinates, or positions where `raw`
@@ -166,7 +192,7 @@ mod tests {
     #[test]
     fn records_are_read_back_wherever_they_begin() {
         for widths in [[0u8, 0, 0], [1, 0, 3], [7, 11, 13], [21, 21, 21], [21, 21, 20]] {
-            let mut row = KeyVertexRow {
+            let row = KeyVertexRow {
                 base: [-5, 0, 9],
                 track: 0,
                 word_first: 2,
@@ -189,15 +215,32 @@ mod tests {
             );
             assert_eq!(words.len() as u64, 2 + row.word_count(keys));
             words.extend([0; KeyVertexRow::CLOSING_WORDS]);
-            if row.record_bits() == 0 {
-                row.word_first = 0;
-                words.push(0);
-            }
             for key in 0..keys {
                 let expected = std::array::from_fn(|k| (row.base[k] + value(key, k) as i32) as f32);
                 assert_eq!(row.stored(&words, key), expected, "{widths:?} key {key}");
             }
         }
+    }
+
+    #[test]
+    fn reach_bounds_every_stored_number() {
+        let lattice = KeyVertexRow {
+            base: [-5, 0, 9],
+            track: 0,
+            word_first: 0,
+            widths: [3, 0, 4],
+            raw: 0,
+        };
+        assert_eq!(lattice.reach(&[], 7), [5.0, 0.0, 24.0]);
+        let raw = KeyVertexRow {
+            base: [0; 3],
+            word_first: 1,
+            widths: [0; 3],
+            raw: 1,
+            ..lattice
+        };
+        let numbers = [f32::MAX, 1.0, -2.0, 0.0, -3.0, 4.0, 0.5, f32::MAX, f32::MAX];
+        assert_eq!(raw.reach(&numbers.map(f32::to_bits), 2), [3.0, 4.0, 0.5]);
     }
 
     #[test]
