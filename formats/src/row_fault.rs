@@ -1,3 +1,5 @@
+use crate::rows::MotionClass;
+
 /// The rule that a row breaks. Indices and counts are in rows of the section that the field points into.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -82,6 +84,16 @@ pub enum RowFault {
         /// Field.
         field: &'static str,
     },
+    /// A count is too small.
+    #[error("`{field}` is {found}, expected at least {least}")]
+    TooFew {
+        /// Field.
+        field: &'static str,
+        /// Count.
+        found: u32,
+        /// Least count that is allowed.
+        least: u32,
+    },
     /// A reserved or unused place is in use.
     #[error("`{field}` is in use, expected zero")]
     ReservedNotZero {
@@ -99,6 +111,14 @@ pub enum RowFault {
     /// A length below zero.
     #[error("`{field}` is {found}, expected zero or more")]
     Negative {
+        /// Field.
+        field: &'static str,
+        /// Its value.
+        found: f32,
+    },
+    /// A length that must not be zero.
+    #[error("`{field}` is {found}, expected above zero")]
+    NotAboveZero {
         /// Field.
         field: &'static str,
         /// Its value.
@@ -215,6 +235,109 @@ pub enum RowFault {
         /// Bone row.
         bone: u32,
     },
+    /// A track has vertices of a cluster and is not listed there.
+    #[error("track {track} has vertex {vertex} of the cluster, but is not among its cluster bones")]
+    ClusterTrackMissing {
+        /// Track row.
+        track: u32,
+        /// Vertex row.
+        vertex: u32,
+    },
+    /// A track is listed in a cluster and has none of its vertices.
+    #[error("track {track} has no vertex of the cluster")]
+    ClusterTrackUnused {
+        /// Track row.
+        track: u32,
+    },
+    /// A part moves by a cache and has none.
+    #[error("`cache` is NONE, expected a cache, for its class is {}", class.name())]
+    CacheMissing {
+        /// The part's class.
+        class: MotionClass,
+    },
+    /// A part has a cache and does not move by one.
+    #[error("`cache` is {found}, expected NONE, for its class is {}", class.name())]
+    CacheNotAllowed {
+        /// The part's class.
+        class: MotionClass,
+        /// Cache row.
+        found: u32,
+    },
+    /// A part with a cache is moved by something else too.
+    #[error("`{field}` is {found}, expected NONE, for the part has a cache")]
+    NotNoneWithCache {
+        /// Field.
+        field: &'static str,
+        /// Its value.
+        found: u32,
+    },
+    /// Two rows that must name each other do not.
+    #[error("`{field}` is {found}, a row whose `{back}` does not name this one")]
+    NotPaired {
+        /// Field.
+        field: &'static str,
+        /// Row that it names.
+        found: u32,
+        /// Field of that row.
+        back: &'static str,
+    },
+    /// A vertex of a cache is not carried by the cache's bone alone.
+    #[error("its part has a cache, expected a single influence, of bone {bone}")]
+    CachedInfluence {
+        /// The cache's bone.
+        bone: u32,
+    },
+    /// A cluster of a cache hangs on another bone.
+    #[error("`bone` is {found}, expected {expected}, that of its cache")]
+    NotTheCachesBone {
+        /// Bone row.
+        found: u32,
+        /// The cache's bone.
+        expected: u32,
+    },
+    /// Without keys there is no lattice.
+    #[error("it has no keys, expected `origin` zero and `step` one")]
+    LatticeWithoutKeys,
+    /// After the last key there is nothing to cut.
+    #[error("`flags` cuts what follows the segment's last key, expected zero")]
+    CutAfterLastKey,
+    /// Two clusters have the same keys.
+    #[error("track {track} has keys and also moves cluster {other}")]
+    TrackShared {
+        /// Track row.
+        track: u32,
+        /// Cluster row.
+        other: u32,
+    },
+    /// A track with keys moves no cluster.
+    #[error("it has keys and moves no cluster")]
+    TrackUnused,
+    /// Raw positions are in the cache's own space.
+    #[error("`raw` is 1, but track {track} has keys")]
+    RawOnTrackWithKeys {
+        /// Track row.
+        track: u32,
+    },
+    /// A lattice number has too many bits.
+    #[error("`widths` is {found} on axis {axis}, expected at most {limit} bits")]
+    TooWide {
+        /// 0, 1 or 2.
+        axis: usize,
+        /// Bits.
+        found: u8,
+        /// Most bits.
+        limit: u8,
+    },
+    /// A lattice coordinate may not be an `f32`.
+    #[error("`base` and `widths` reach {found} on axis {axis}, expected at most {limit} in size")]
+    BeyondLattice {
+        /// 0, 1 or 2.
+        axis: usize,
+        /// Lattice coordinate.
+        found: i64,
+        /// Greatest magnitude.
+        limit: i32,
+    },
     /// A child does not stand behind its parent.
     #[error("its left child is node {found}, expected above {own}, its own index")]
     ChildNotBehind {
@@ -260,6 +383,18 @@ pub enum RowFault {
     /// A triangle belongs to no cluster.
     #[error("it belongs to no cluster, and its corners are not all equal")]
     TriangleInNoCluster,
+    /// A triangle of a cache belongs to no cluster of a segment.
+    #[error("it belongs to no cluster of segment {segment}, and its corners are not all equal")]
+    TriangleNotInSegment {
+        /// Segment row.
+        segment: u32,
+    },
+    /// A triangle of a cache belongs to a cluster outside of its segments.
+    #[error("triangle {triangle} belongs to a part with a cache, but the cluster has no track")]
+    TriangleNeedsTrack {
+        /// Triangle row.
+        triangle: u32,
+    },
     /// A degenerate triangle is in a tree.
     #[error("triangle {triangle} has three equal corners and must not be in a tree")]
     DegenerateReferenced {

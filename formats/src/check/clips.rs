@@ -10,7 +10,7 @@ use crate::{
 use std::ops::Range;
 
 /// Clips tile the channels; channels point at what they can move and at keys in order; clip times are those of the
-/// keys. Skeleton and morph sets have been checked.
+/// keys. Skeleton, morph sets and caches have been checked.
 pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
     for (at, time) in view.key_times.iter().enumerate() {
         finite(SectionKind::KeyTimes, at, "time", &[*time])?;
@@ -19,8 +19,9 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
         finite(SectionKind::KeyValues, at, "value", &[*value])?;
     }
     let breaks = time_breaks(view.key_times);
-    // Clip that last moved each property: three per node, then one per morph set.
-    let mut moved_last = vec![usize::MAX; view.nodes.len() * 3 + view.morph_sets.len()];
+    // Clip that last moved each property: three per node, then one per morph set and cache.
+    let property_count = view.nodes.len() * 3 + view.morph_sets.len() + view.caches.len();
+    let mut moved_last = vec![usize::MAX; property_count];
     let mut channels = Tiling::new(SectionKind::Channels, view.channels.len());
     for (at, clip) in view.clips.iter().enumerate() {
         let range = channels.take(
@@ -62,16 +63,22 @@ fn check_channel(view: &ModelView<'_>, at: usize, breaks: &[usize]) -> Result<us
     let channel = &view.channels[at];
     reserved(section, at, "reserved", &[channel.reserved])?;
     let (path, interpolation) = decode(at, channel)?;
-    let (property, width) = if path == Path::Weights {
-        let set = index(section, at, "target", channel.target, view.morph_sets.len())?;
-        (view.nodes.len() * 3 + set, view.morph_sets[set].target_count)
-    } else {
-        let node = index(section, at, "target", channel.target, view.nodes.len())?;
-        if view.nodes[node].local_kind == NodeRow::MATRIX {
-            let fault = RowFault::MatrixNodeAnimated { node: channel.target };
-            return Err(row(section, at, fault));
+    let target = |limit| index(section, at, "target", channel.target, limit);
+    let (first_set, first_cache) = (view.nodes.len() * 3, view.nodes.len() * 3 + view.morph_sets.len());
+    let (property, width) = match path {
+        Path::Weights => {
+            let set = target(view.morph_sets.len())?;
+            (first_set + set, view.morph_sets[set].target_count)
         }
-        (node * 3 + path as usize, if path == Path::Rotation { 4 } else { 3 })
+        Path::Frame => (first_cache + target(view.caches.len())?, 1),
+        Path::Translation | Path::Rotation | Path::Scale => {
+            let node = target(view.nodes.len())?;
+            if view.nodes[node].local_kind == NodeRow::MATRIX {
+                let fault = RowFault::MatrixNodeAnimated { node: channel.target };
+                return Err(row(section, at, fault));
+            }
+            (node * 3 + path as usize, if path == Path::Rotation { 4 } else { 3 })
+        }
     };
     if width == 0 {
         return Err(row(section, at, RowFault::EmptyRange { field: "width" }));

@@ -1,24 +1,29 @@
 use super::{
-    numbers::{extent, index, within_extent},
+    numbers::{extent, index, index_within, within_extent},
     row,
+    segments::Segment,
 };
 use crate::{
     FormatError, ModelView, RowFault, SectionKind,
     rows::{ClusterRow, NONE, TriangleRow},
 };
 
-/// Checks that a cluster lists exactly the bones that move its vertices, with extents that reach all of these.
+/// Checks that a cluster lists exactly the bones, in a segment of a cache the tracks, that move its vertices, with extents
+/// that reach all of these.
 ///
 /// Run-time margins are computed from these rows alone: one that is missing or too small would lose hits.
 pub(super) struct Cover<'a> {
     view: &'a ModelView<'a>,
     cluster: usize,
-    /// Per bone, its row among the cluster's.
-    row_of_bone: Vec<Option<usize>>,
-    /// Per cluster-bone row, whether its bone moves a vertex.
+    /// Per bone or track, its row among the cluster's.
+    row_of_mover: Vec<Option<usize>>,
+    /// Per cluster-bone row, whether it moves a vertex.
     used: Vec<bool>,
     /// Per vertex, the last cluster that it was checked for, or `NONE`.
     checked_for: Vec<u32>,
+    /// Per vertex, the last segment in which it was met, or `NONE`, and how far its stored numbers reach there. Empty
+    /// without caches.
+    reaches: Vec<(u32, [f32; 3])>,
 }
 
 impl<'a> Cover<'a> {
@@ -26,21 +31,30 @@ impl<'a> Cover<'a> {
         Self {
             view,
             cluster: 0,
-            row_of_bone: vec![None; view.bones.len()],
+            row_of_mover: vec![None; view.bones.len().max(view.tracks.len())],
             used: vec![false; view.cluster_bones.len()],
             checked_for: vec![NONE; view.vertices.len()],
+            reaches: vec![(NONE, [0.0; 3]); if view.caches.is_empty() { 0 } else { view.vertices.len() }],
         }
     }
 
-    /// Begins with cluster `at`; its bones ascend.
-    pub(super) fn enter(&mut self, at: usize, cluster: &ClusterRow) -> Result<(), FormatError> {
+    /// Begins with cluster `at`, which is in `segment` if it has a track; its bones or tracks ascend.
+    pub(super) fn enter(
+        &mut self,
+        at: usize,
+        cluster: &ClusterRow,
+        segment: Option<&Segment<'_>>,
+    ) -> Result<(), FormatError> {
         self.cluster = at;
         let section = SectionKind::ClusterBones;
         let mut previous = None;
         for at in bone_rows(cluster) {
             let listed = self.view.cluster_bones[at];
             let found = listed.bone;
-            let bone = index(section, at, "bone", found, self.row_of_bone.len())?;
+            let mover = match segment {
+                None => index(section, at, "bone", found, self.view.bones.len())?,
+                Some(segment) => index_within(section, at, "bone", found, &segment.tracks())?,
+            };
             if let Some(previous) = previous
                 && found <= previous
             {
@@ -53,29 +67,35 @@ impl<'a> Cover<'a> {
             }
             previous = Some(found);
             extent(section, at, "extent", &listed.extent)?;
-            self.row_of_bone[bone] = Some(at);
+            self.row_of_mover[mover] = Some(at);
         }
         Ok(())
     }
 
-    /// The bones that move the triangle's vertices are listed, with extents that reach them.
-    pub(super) fn triangle(&mut self, triangle: &TriangleRow) -> Result<(), FormatError> {
+    /// What moves the triangle's vertices is listed, with extents that reach them.
+    pub(super) fn triangle(
+        &mut self,
+        triangle: &TriangleRow,
+        segment: Option<&Segment<'_>>,
+    ) -> Result<(), FormatError> {
         for corner in triangle.corners {
             let vertex = corner as usize;
-            if std::mem::replace(&mut self.checked_for[vertex], self.cluster as u32) != self.cluster as u32 {
-                self.vertex(vertex)?;
+            if std::mem::replace(&mut self.checked_for[vertex], self.cluster as u32) == self.cluster as u32 {
+                continue;
+            }
+            match segment {
+                None => self.skinned_vertex(vertex)?,
+                Some(segment) => self.cached_vertex(vertex, segment)?,
             }
         }
         Ok(())
     }
 
-    fn vertex(&mut self, vertex: usize) -> Result<(), FormatError> {
+    fn skinned_vertex(&mut self, vertex: usize) -> Result<(), FormatError> {
         let view = self.view;
         let position = view.vertices[vertex].position_rest;
-        let first = view.vertices[vertex].influence_first as usize;
-        let end = view.vertices[vertex + 1].influence_first as usize;
-        for influence in &view.influences[first..end] {
-            let Some(at) = self.row_of_bone[influence.bone as usize] else {
+        for influence in view.influences_of(vertex) {
+            let Some(at) = self.row_of_mover[influence.bone as usize] else {
                 let fault = RowFault::ClusterBoneMissing {
                     bone: influence.bone,
                     vertex: vertex as u32,
@@ -89,14 +109,46 @@ impl<'a> Cover<'a> {
         Ok(())
     }
 
-    /// Ends the cluster; every bone that it lists has moved a vertex.
+    fn cached_vertex(&mut self, vertex: usize, segment: &Segment<'_>) -> Result<(), FormatError> {
+        let view = self.view;
+        let key_vertex = segment.key_vertex(vertex);
+        let stored = &view.key_vertices[key_vertex];
+        let Some(at) = self.row_of_mover[stored.track as usize] else {
+            let fault = RowFault::ClusterTrackMissing {
+                track: stored.track,
+                vertex: vertex as u32,
+            };
+            return Err(row(SectionKind::Clusters, self.cluster, fault));
+        };
+        self.used[at] = true;
+        let (met, reach) = &mut self.reaches[vertex];
+        if *met != segment.at as u32 {
+            *met = segment.at as u32;
+            *reach = stored.reach(view.key_words, segment.row.key_count);
+        }
+        let extent = view.cluster_bones[at].extent;
+        within_extent(
+            SectionKind::KeyVertices,
+            key_vertex,
+            "stored numbers",
+            *reach,
+            extent,
+            at,
+        )
+    }
+
+    /// Ends the cluster; everything that it lists has moved a vertex.
     pub(super) fn leave(&mut self, cluster: &ClusterRow) -> Result<(), FormatError> {
         for at in bone_rows(cluster) {
-            let bone = self.view.cluster_bones[at].bone;
+            let mover = self.view.cluster_bones[at].bone;
             if !self.used[at] {
-                return Err(row(SectionKind::ClusterBones, at, RowFault::ClusterBoneUnused { bone }));
+                let fault = match cluster.track {
+                    NONE => RowFault::ClusterBoneUnused { bone: mover },
+                    _ => RowFault::ClusterTrackUnused { track: mover },
+                };
+                return Err(row(SectionKind::ClusterBones, at, fault));
             }
-            self.row_of_bone[bone as usize] = None;
+            self.row_of_mover[mover as usize] = None;
         }
         Ok(())
     }

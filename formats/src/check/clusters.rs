@@ -1,5 +1,5 @@
 use super::{
-    numbers::{finite, index, reserved},
+    numbers::{index, reserved, solid_box},
     row,
     tiling::Tiling,
 };
@@ -41,20 +41,5 @@ fn check_fields(view: &ModelView<'_>, at: usize, cluster: &ClusterRow) -> Result
     if cluster.node_count == 0 {
         return Err(row(section, at, RowFault::EmptyRange { field: "node_count" }));
     }
-    let bounds = cluster.bounds_local;
-    finite(section, at, "bounds_local", &bounds.min)?;
-    finite(section, at, "bounds_local", &bounds.max)?;
-    for axis in 0..3 {
-        let (min, max) = (bounds.min[axis], bounds.max[axis]);
-        if min > max {
-            let fault = RowFault::EmptyBox {
-                field: "bounds_local",
-                axis,
-                min,
-                max,
-            };
-            return Err(row(section, at, fault));
-        }
-    }
-    Ok(())
+    solid_box(section, at, "bounds_local", &cluster.bounds_local)
 }

@@ -3,24 +3,30 @@
 //! Each file checks one group of sections. The order in [`model`] matters: a check may index plainly by what an
 //! earlier one has found in range, and by nothing else.
 
+mod caches;
 mod clips;
 mod cluster_bones;
+mod cluster_tracks;
 mod clusters;
 mod kd_trees;
+mod key_vertices;
 mod membership;
 mod morphs;
 mod names;
 mod numbers;
 mod parts;
+mod segments;
 mod skeleton;
 mod tiling;
+mod tracks;
 mod vertices;
 
 use crate::{FormatError, ModelView, RowFault, SectionKind};
 
 /// Checks every rule. One implementation serves reader and writer.
 ///
-/// Complexity: linear in the rows, plus the influences of each vertex once per cluster that uses it.
+/// Complexity: linear in the rows, plus the influences of each vertex, and its row in a segment, once per cluster that
+/// uses it.
 ///
 /// # Errors
 /// The first rule that is broken.
@@ -30,8 +36,13 @@ pub(crate) fn model(view: &ModelView<'_>) -> Result<(), FormatError> {
     parts::check(view)?;
     vertices::check(view)?;
     morphs::check(view)?;
+    caches::check(view)?;
+    segments::check(view)?;
+    tracks::check(view)?;
+    key_vertices::check(view)?;
     clips::check(view)?;
     clusters::check(view)?;
+    cluster_tracks::check(view)?;
     kd_trees::check(view)?;
     membership::check(view)
 }

@@ -1,5 +1,5 @@
 use super::{
-    numbers::{extent, finite, reserved, within_extent},
+    numbers::{extent, finite, index_within, reserved, within_extent},
     row,
     tiling::Tiling,
 };
@@ -108,15 +108,7 @@ fn check_vertex(view: &ModelView<'_>, deltas: Range<usize>, targets: &Range<usiz
     let mut previous = None;
     for at in deltas {
         let MorphDeltaRow { target, delta } = view.morph_deltas[at];
-        if !targets.contains(&(target as usize)) {
-            let fault = RowFault::IndexOutsideRange {
-                field: "target",
-                found: u64::from(target),
-                first: targets.start as u64,
-                limit: targets.end as u64,
-            };
-            return Err(row(section, at, fault));
-        }
+        index_within(section, at, "target", target, targets)?;
         if let Some(previous) = previous
             && target <= previous
         {

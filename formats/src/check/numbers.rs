@@ -1,5 +1,6 @@
 use super::row;
-use crate::{FormatError, RowFault, SectionKind};
+use crate::{FormatError, RowFault, SectionKind, geom::Aabb};
+use std::ops::Range;
 
 /// Every value is finite.
 pub(super) fn finite(section: SectionKind, at: usize, field: &'static str, values: &[f32]) -> Result<(), FormatError> {
@@ -16,6 +17,24 @@ pub(super) fn extent(section: SectionKind, at: usize, field: &'static str, value
         Some(found) => Err(row(section, at, RowFault::Negative { field, found: *found })),
         None => Ok(()),
     }
+}
+
+/// A box is finite and holds a point.
+pub(super) fn solid_box(
+    section: SectionKind,
+    at: usize,
+    field: &'static str,
+    bounds: &Aabb,
+) -> Result<(), FormatError> {
+    finite(section, at, field, &bounds.min)?;
+    finite(section, at, field, &bounds.max)?;
+    for axis in 0..3 {
+        let (min, max) = (bounds.min[axis], bounds.max[axis]);
+        if min > max {
+            return Err(row(section, at, RowFault::EmptyBox { field, axis, min, max }));
+        }
+    }
+    Ok(())
 }
 
 /// No value is larger than the extent of its axis, which row `extent_row` gives.
@@ -66,6 +85,27 @@ pub(super) fn index(
             field,
             found: u64::from(found),
             limit: limit as u64,
+        };
+        Err(row(section, at, fault))
+    }
+}
+
+/// An index lies in `range`.
+pub(super) fn index_within(
+    section: SectionKind,
+    at: usize,
+    field: &'static str,
+    found: u32,
+    range: &Range<usize>,
+) -> Result<usize, FormatError> {
+    if range.contains(&(found as usize)) {
+        Ok(found as usize)
+    } else {
+        let fault = RowFault::IndexOutsideRange {
+            field,
+            found: u64::from(found),
+            first: range.start as u64,
+            limit: range.end as u64,
         };
         Err(row(section, at, fault))
     }

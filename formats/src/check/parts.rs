@@ -1,5 +1,5 @@
 use super::{
-    numbers::{index, reserved},
+    numbers::{index, index_within, reserved},
     row,
     tiling::Tiling,
 };
@@ -16,7 +16,7 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
         return Err(FormatError::NoTriangles);
     }
     let section = SectionKind::Parts;
-    let mut vertices = Tiling::with_closing_row(SectionKind::Vertices, view.vertices.len());
+    let mut vertices = Tiling::with_closing_rows(SectionKind::Vertices, view.vertices.len(), 1);
     let mut triangles = Tiling::new(SectionKind::Triangles, view.triangles.len());
     let mut primitives = Tiling::new(SectionKind::Primitives, view.primitives.len());
     for (at, part) in view.parts.iter().enumerate() {
@@ -104,18 +104,11 @@ fn check_primitives(
 }
 
 fn check_corners(view: &ModelView<'_>, part: &PartRow, triangles: Range<usize>) -> Result<(), FormatError> {
-    let (first, count) = (part.vertex_first, part.vertex_count);
+    let first = part.vertex_first as usize;
+    let vertices = first..first + part.vertex_count as usize;
     for at in triangles {
         for corner in view.triangles[at].corners {
-            if corner.wrapping_sub(first) >= count {
-                let fault = RowFault::IndexOutsideRange {
-                    field: "corners",
-                    found: u64::from(corner),
-                    first: u64::from(first),
-                    limit: u64::from(first) + u64::from(count),
-                };
-                return Err(row(SectionKind::Triangles, at, fault));
-            }
+            index_within(SectionKind::Triangles, at, "corners", corner, &vertices)?;
         }
     }
     Ok(())

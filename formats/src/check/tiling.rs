@@ -23,10 +23,18 @@ impl Tiling {
         }
     }
 
-    /// Ranges over a section of `len` rows, the last of which only closes it.
-    pub(super) fn with_closing_row(filled: SectionKind, len: usize) -> Self {
+    /// Ranges over a section of `len` rows, the last `closing` of which only close it.
+    pub(super) fn with_closing_rows(filled: SectionKind, len: usize, closing: usize) -> Self {
         Self {
-            closing: 1,
+            closing: closing as u64,
+            ..Self::new(filled, len)
+        }
+    }
+
+    /// Ranges over a section of `len` rows from row `first` on; those before it are not theirs.
+    pub(super) fn starting_at(filled: SectionKind, len: usize, first: usize) -> Self {
+        Self {
+            next: first as u64,
             ..Self::new(filled, len)
         }
     }
@@ -38,9 +46,9 @@ impl Tiling {
         at: usize,
         field: &'static str,
         first: u32,
-        count: u32,
+        count: impl Into<u64>,
     ) -> Result<Range<usize>, FormatError> {
-        let (first, count) = (u64::from(first), u64::from(count));
+        let (first, count) = (u64::from(first), count.into());
         if first != self.next {
             let fault = RowFault::RangeNotContiguous {
                 field,
