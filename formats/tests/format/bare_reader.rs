@@ -1,7 +1,10 @@
 //! Decodes the golden file as `FORMAT.md` describes it, by byte offsets alone: a check of the text, so nothing here may
 //! use the library but to know what the numbers must be.
 
-use crate::{fixture::model, golden::V1};
+use crate::{
+    fixture::{FLAG, FLAG_CACHE, SPARK, SPARK_CACHE, model},
+    golden::V1_1,
+};
 
 fn u16_at(bytes: &[u8], at: usize) -> u16 {
     u16::from_le_bytes([bytes[at], bytes[at + 1]])
@@ -33,7 +36,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 }
 
 /// The codes and row sizes of `FORMAT.md`, section 2.
-const SECTIONS: [(&[u8; 4], usize); 21] = [
+const SECTIONS: [(&[u8; 4], usize); 27] = [
     (b"META", 1),
     (b"PART", 48),
     (b"PRIM", 16),
@@ -51,6 +54,12 @@ const SECTIONS: [(&[u8; 4], usize); 21] = [
     (b"KTIM", 4),
     (b"KVAL", 4),
     (b"SAMP", 8),
+    (b"CACH", 32),
+    (b"SEGM", 32),
+    (b"TRAK", 32),
+    (b"KEYF", 80),
+    (b"KVRT", 24),
+    (b"KWRD", 4),
     (b"CLUS", 64),
     (b"CBON", 16),
     (b"KDND", 8),
@@ -64,11 +73,11 @@ fn rows(code: &[u8; 4]) -> Vec<&'static [u8]> {
         .position(|(known, _)| *known == code)
         .expect("a code of the format");
     let at = 128 + 40 * line;
-    assert_eq!(&V1[at..at + 4], code);
-    let (offset, byte_len) = (u64_at(V1, at + 16) as usize, u64_at(V1, at + 24) as usize);
-    let section = &V1[offset..offset + byte_len];
-    let rows: Vec<_> = section.chunks_exact(u32_at(V1, at + 8) as usize).collect();
-    assert_eq!(rows.len() as u64, u64_at(V1, at + 32));
+    assert_eq!(&V1_1[at..at + 4], code);
+    let (offset, byte_len) = (u64_at(V1_1, at + 16) as usize, u64_at(V1_1, at + 24) as usize);
+    let section = &V1_1[offset..offset + byte_len];
+    let rows: Vec<_> = section.chunks_exact(u32_at(V1_1, at + 8) as usize).collect();
+    assert_eq!(rows.len() as u64, u64_at(V1_1, at + 32));
     rows
 }
 
@@ -83,34 +92,34 @@ macro_rules! same {
 
 #[test]
 fn header_and_table_are_as_the_text_says() {
-    assert_eq!(V1[..10], [0x8B, 0x52, 0x50, 0x4F, 0x53, 0x45, 0x0D, 0x0A, 0x1A, 0x0A]);
-    assert_eq!((u16_at(V1, 10), u16_at(V1, 12), u16_at(V1, 14)), (1, 0, 0));
-    assert_eq!((u32_at(V1, 16), u64_at(V1, 24)), (128, V1.len() as u64));
-    assert_eq!((u64_at(V1, 32), u64_at(V1, 40)), (0, 1));
-    assert_eq!((u32_at(V1, 48), u32_at(V1, 52), u64_at(V1, 120)), (21, 0, 0));
+    assert_eq!(V1_1[..10], [0x8B, 0x52, 0x50, 0x4F, 0x53, 0x45, 0x0D, 0x0A, 0x1A, 0x0A]);
+    assert_eq!((u16_at(V1_1, 10), u16_at(V1_1, 12), u16_at(V1_1, 14)), (1, 1, 0));
+    assert_eq!((u32_at(V1_1, 16), u64_at(V1_1, 24)), (128, V1_1.len() as u64));
+    assert_eq!((u64_at(V1_1, 32), u64_at(V1_1, 40)), (0, 1));
+    assert_eq!((u32_at(V1_1, 48), u32_at(V1_1, 52), u64_at(V1_1, 120)), (27, 0, 0));
     assert_eq!(
-        (&V1[56..88], &V1[88..120]),
+        (&V1_1[56..88], &V1_1[88..120]),
         (&model().hashes.source[..], &model().hashes.options[..])
     );
-    let mut sealed = V1[..128 + 40 * 21].to_vec();
+    let mut sealed = V1_1[..128 + 40 * 27].to_vec();
     sealed[20..24].fill(0);
-    assert_eq!(u32_at(V1, 20), crc32(&sealed));
+    assert_eq!(u32_at(V1_1, 20), crc32(&sealed));
 
     let mut end = sealed.len();
     for (line, (code, row_size)) in SECTIONS.iter().enumerate() {
         let at = 128 + 40 * line;
-        assert_eq!(&V1[at..at + 4], *code);
+        assert_eq!(&V1_1[at..at + 4], *code);
         assert_eq!(
-            (u16_at(V1, at + 4), u16_at(V1, at + 6), u32_at(V1, at + 8)),
+            (u16_at(V1_1, at + 4), u16_at(V1_1, at + 6), u32_at(V1_1, at + 8)),
             (1, 0, *row_size as u32)
         );
-        let (offset, byte_len) = (u64_at(V1, at + 16) as usize, u64_at(V1, at + 24) as usize);
+        let (offset, byte_len) = (u64_at(V1_1, at + 16) as usize, u64_at(V1_1, at + 24) as usize);
         assert_eq!(offset, end.div_ceil(64) * 64);
-        assert!(V1[end..offset].iter().all(|byte| *byte == 0));
-        assert_eq!(u32_at(V1, at + 12), crc32(&V1[offset..offset + byte_len]));
+        assert!(V1_1[end..offset].iter().all(|byte| *byte == 0));
+        assert_eq!(u32_at(V1_1, at + 12), crc32(&V1_1[offset..offset + byte_len]));
         end = offset + byte_len;
     }
-    assert_eq!(end, V1.len());
+    assert_eq!(end, V1_1.len());
 }
 
 #[test]
@@ -118,7 +127,7 @@ fn rows_are_as_the_text_says() {
     let m = model();
     same!(b"PART", m.parts, b => u32s::<12>(b, 0), r => [
         r.source_node, r.source_mesh, r.source_skin, r.class, r.vertex_first, r.vertex_count, r.triangle_first,
-        r.triangle_count, r.primitive_first, r.primitive_count, r.morph_set, r.reserved,
+        r.triangle_count, r.primitive_first, r.primitive_count, r.morph_set, r.cache,
     ]);
     same!(b"PRIM", m.primitives, b => u32s::<4>(b, 0), r => [
         r.source_primitive, r.triangle_first, r.triangle_count, r.reserved,
@@ -147,17 +156,35 @@ fn rows_are_as_the_text_says() {
     same!(b"KTIM", m.key_times, b => f32s::<1>(b, 0), r => [*r]);
     same!(b"KVAL", m.key_values, b => f32s::<1>(b, 0), r => [*r]);
     same!(b"SAMP", m.samples, b => (u32_at(b, 0), f32s::<1>(b, 4)), r => (r.clip, [r.seconds]));
+    same!(b"CACH", m.caches, b => (u32s::<5>(b, 0), f32s::<1>(b, 20), u32s::<2>(b, 24)), r => (
+        [r.part, r.bone, r.key_count, r.segment_first, r.segment_count], [r.position_error], r.reserved,
+    ));
+    same!(b"SEGM", m.segments, b => u32s::<8>(b, 0), r => [
+        r.key_first, r.key_count, r.track_first, r.track_count, r.cluster_first, r.cluster_count,
+        r.key_vertex_first, r.reserved,
+    ]);
+    same!(b"TRAK", m.tracks, b => (u32_at(b, 0), f32s::<3>(b, 4), f32s::<1>(b, 16), u32s::<3>(b, 20)), r => (
+        r.key_first, r.origin, [r.step], r.reserved,
+    ));
+    same!(b"KEYF", m.keys, b => (f32s::<12>(b, 0), f32s::<3>(b, 48), f32s::<3>(b, 60), u32s::<2>(b, 72)), r => (
+        r.map, r.bounds.min, r.bounds.max, [r.flags, r.reserved],
+    ));
+    same!(b"KVRT", m.key_vertices, b => (u32s::<5>(b, 0).map(|x| x as i32), [b[20], b[21], b[22], b[23]]), r => (
+        [r.base[0], r.base[1], r.base[2], r.track as i32, r.word_first as i32],
+        [r.widths[0], r.widths[1], r.widths[2], r.raw],
+    ));
+    same!(b"KWRD", m.key_words, b => u32_at(b, 0), r => *r);
     same!(b"CLUS", m.clusters, b => (u32s::<8>(b, 0), f32s::<3>(b, 32), f32s::<3>(b, 44), u32s::<2>(b, 56)), r => (
         [
             r.bone, r.node_first, r.node_count, r.reference_first, r.reference_count, r.cluster_bone_first,
             r.cluster_bone_count, r.triangle_count,
         ],
-        r.bounds_local.min, r.bounds_local.max, r.reserved,
+        r.bounds_local.min, r.bounds_local.max, [r.track, r.reserved],
     ));
     same!(b"CBON", m.cluster_bones, b => (u32_at(b, 0), f32s::<3>(b, 4)), r => (r.bone, r.extent));
     same!(b"REFS", m.references, b => u32_at(b, 0), r => *r);
 
-    // The fixture's trees, by what they were made from: leaf, inner node on axis 0 at 0.5, leaf, leaf, leaf.
+    // The fixture's trees, by what they were made from: leaf, inner node on axis 0 at 0.5, and leaves.
     let words: Vec<[u32; 2]> = rows(b"KDND").iter().map(|bytes| u32s(bytes, 0)).collect();
     let inner = [1 << 2, 0.5f32.to_bits()];
     assert_eq!(
@@ -167,9 +194,57 @@ fn rows_are_as_the_text_says() {
             inner,
             [1 << 2 | 3, 0],
             [2 << 2 | 3, 1],
-            [1 << 2 | 3, 0]
+            [1 << 2 | 3, 0],
+            [1 << 2 | 3, 0],
+            [1 << 2 | 3, 0],
+            [1 << 2 | 3, 0],
+            [1 << 2 | 3, 0],
+            [1 << 2 | 3, 0],
         ]
     );
+}
+
+/// Where the vertices of a cache are in its space, per segment and key.
+fn positions_of_cache(cache: u32) -> Vec<Vec<Vec<[f32; 3]>>> {
+    let cache = rows(b"CACH")[cache as usize];
+    let part = rows(b"PART")[u32_at(cache, 0) as usize];
+    let (first, count) = (u32_at(cache, 12) as usize, u32_at(cache, 16) as usize);
+    let segments = &rows(b"SEGM")[first..first + count];
+    let of_segment = |segment: &&[u8]| {
+        let (key_count, vertex_count) = (u32_at(segment, 4), u32_at(part, 20));
+        let vertices = &rows(b"KVRT")[u32_at(segment, 24) as usize..][..vertex_count as usize];
+        (0..key_count)
+            .map(|key| vertices.iter().map(|vertex| position(vertex, key)).collect())
+            .collect()
+    };
+    segments.iter().map(of_segment).collect()
+}
+
+/// Where the vertex of a row of KVRT is at a key of its segment.
+fn position(vertex: &[u8], key: u32) -> [f32; 3] {
+    let words = rows(b"KWRD");
+    let bit = |at: u32| u32_at(words[u32_at(vertex, 16) as usize + at as usize / 32], 0) >> (at % 32) & 1;
+    let number = |first: u32, width: u32| (0..width).map(|k| bit(first + k) << k).sum::<u32>();
+    let track = rows(b"TRAK")[u32_at(vertex, 12) as usize];
+    if vertex[23] == 1 {
+        return [0, 1, 2].map(|axis| f32::from_bits(number(key * 96 + axis * 32, 32)));
+    }
+    let widths = [vertex[20], vertex[21], vertex[22]].map(u32::from);
+    let starts = [0, widths[0], widths[0] + widths[1]].map(|start| start + key * widths.iter().sum::<u32>());
+    let (origin, [step]) = (f32s::<3>(track, 4), f32s::<1>(track, 16));
+    let local: [f32; 3] = std::array::from_fn(|k| {
+        let lattice = u32_at(vertex, 4 * k) as i32 + number(starts[k], widths[k]) as i32;
+        origin[k] + step * lattice as f32
+    });
+    let map: [f32; 12] = f32s(rows(b"KEYF")[(u32_at(track, 0) + key) as usize], 0);
+    [0, 1, 2].map(|k| map[k] * local[0] + map[3 + k] * local[1] + map[6 + k] * local[2] + map[9 + k])
+}
+
+#[test]
+fn positions_of_caches_are_as_the_text_says() {
+    assert_eq!(positions_of_cache(SPARK_CACHE), [[SPARK.to_vec()]]);
+    let flag = FLAG.map(|key| key.to_vec());
+    assert_eq!(positions_of_cache(FLAG_CACHE), [flag[..3].to_vec(), flag[2..].to_vec()]);
 }
 
 #[test]
@@ -199,8 +274,8 @@ fn metadata_is_as_the_text_says() {
     }
     assert_eq!(
         (number(&mut at), number(&mut at)),
-        (0, 1),
-        "sampled bounds, one degenerate triangle"
+        (0, 2),
+        "sampled bounds, two degenerate triangles"
     );
     assert_eq!(at, bytes.len());
 }

@@ -4,6 +4,8 @@
 mod fixture;
 
 mod bare_reader;
+mod broken;
+mod cache_rules;
 mod damage;
 mod golden;
 mod header_fields;

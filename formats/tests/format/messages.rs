@@ -26,11 +26,14 @@ fn a_file_cut_short() {
 
 #[test]
 fn another_version() {
-    assert_eq!(
-        message(&Forge::of(&model()).bytes_with(|header, _| header.major = 2)),
-        "format version 2.0 cannot be read; this library reads 1.0; re-bake the source with a matching version of \
-         restpose"
-    );
+    for (major, minor) in [(1, 0), (2, 0)] {
+        let bytes = Forge::of(&model()).bytes_with(|header, _| (header.major, header.minor) = (major, minor));
+        let expected = format!(
+            "format version {major}.{minor} cannot be read; this library reads 1.1; re-bake the source with a matching \
+             version of restpose"
+        );
+        assert_eq!(message(&bytes), expected);
+    }
 }
 
 #[test]

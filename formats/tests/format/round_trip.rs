@@ -51,6 +51,35 @@ fn a_model_without_morphs_and_clips_round_trips() {
 }
 
 #[test]
+fn a_model_without_caches_round_trips() {
+    let mut model = model();
+    model.parts.truncate(2);
+    model.meta.part_names.truncate(2);
+    model.meta.degenerate_triangle_count = 1;
+    model.primitives.truncate(3);
+    model.vertices.drain(9..17);
+    model.vertices[9].influence_first = 11;
+    model.influences.truncate(11);
+    model.morph_first.truncate(10);
+    model.triangles.truncate(6);
+    model.channels.truncate(4);
+    model.clips[1].channel_count = 1;
+    model.clips[1].end_seconds = 0.75;
+    model.caches.clear();
+    model.segments.clear();
+    model.tracks.clear();
+    model.keys.clear();
+    model.key_vertices.clear();
+    model.key_words.clear();
+    model.clusters.truncate(3);
+    model.cluster_bones.truncate(5);
+    model.kd_nodes.truncate(5);
+    model.references.truncate(6);
+    let bytes = write(&model).unwrap();
+    assert_eq!(read_copy(&bytes), Ok(model));
+}
+
+#[test]
 fn clips_may_share_key_times_and_have_no_channels() {
     let mut model = model();
     model.channels[1].time_first = 1;
@@ -60,7 +89,7 @@ fn clips_may_share_key_times_and_have_no_channels() {
     model.clips.push(restpose_formats::rows::ClipRow {
         start_seconds: 0.0,
         end_seconds: 0.0,
-        channel_first: 4,
+        channel_first: 5,
         channel_count: 0,
     });
     model.meta.clip_names.push("still".into());
@@ -84,7 +113,7 @@ fn an_unknown_section_is_skipped_where_it_is_optional_and_refused_otherwise() {
         };
         (entry, bytes)
     };
-    for at in [0, 5, 21] {
+    for at in [0, 5, 19, SectionKind::ALL.len()] {
         let mut file = Forge::of(&model());
         file.sections.insert(at, extra(SectionEntry::OPTIONAL));
         assert_eq!(read_copy(&file.bytes()), Ok(model()), "at line {at}");
