@@ -13,6 +13,8 @@ pub mod gltf_writer;
 pub mod limbs;
 pub mod machine;
 pub mod mixed;
+pub mod obj_writer;
+pub mod point_cache_writer;
 pub mod rotation;
 pub mod skinning;
 pub mod solids;
