@@ -2,6 +2,7 @@
 
 mod classify;
 mod decompose;
+pub(crate) mod keyframed;
 mod moving;
 
 pub(crate) use classify::{Classified, classify};

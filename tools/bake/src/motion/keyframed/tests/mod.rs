@@ -1,0 +1,4 @@
+mod bad_input;
+mod known_motion;
+mod on_scenes;
+mod soup;
