@@ -1,6 +1,6 @@
 //! The bundled samples, and real characters where the folder with them stands beside the workspace.
 
-use restpose_bake::import::{Animation, import};
+use restpose_bake::import::{Animation, ImportSettings, import, import_files};
 use std::path::{Path, PathBuf};
 
 fn scene(name: &str) -> Option<PathBuf> {
@@ -77,4 +77,48 @@ fn the_bundled_samples_import_without_warning() {
         assert_eq!(imported.faults, [], "{}", path.display());
     }
     assert!(count > 0);
+}
+
+#[test]
+fn vertex_caches_have_their_triangles_and_frames_and_begin_as_their_mesh() {
+    for (name, triangles, points, frames) in [
+        ("chicken", 5_664, 3_030, 400),
+        ("cow", 5_804, 2_904, 204),
+        ("horse", 16_843, 8_431, 48),
+        ("elephant", 84_638, 42_321, 48),
+    ] {
+        let Some(folder) = scene(name) else {
+            return;
+        };
+        let inputs = ["obj", "pc2"].map(|extension| folder.join(name).with_extension(extension));
+        let imported = import_files(&inputs, &ImportSettings::default()).unwrap();
+        assert_eq!(imported.faults, [], "{name}");
+        let animation = imported.animation;
+        assert_eq!(triangle_count(&animation), triangles, "{name}");
+        let cache = &animation.caches[0];
+        assert_eq!((cache.point_count, cache.frame_count()), (points, frames), "{name}");
+        assert_eq!(animation.clips[0].name, name);
+        // The text and the binary file of the first frame agree to the bit.
+        let mesh = import(&inputs[0]).unwrap().animation;
+        assert_eq!(
+            mesh.meshes[0].primitives[0].triangles, animation.meshes[0].primitives[0].triangles,
+            "{name}"
+        );
+        assert_eq!(
+            mesh.meshes[0].primitives[0].positions, animation.meshes[0].primitives[0].positions,
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn bunny_has_its_triangles() {
+    let Some(path) = scene("bunny/bunny.obj") else {
+        return;
+    };
+    let imported = import(&path).unwrap();
+    assert_eq!(
+        (triangle_count(&imported.animation), imported.faults),
+        (69_451, Vec::new())
+    );
 }
