@@ -48,14 +48,19 @@ impl Failure {
         )
     }
 
-    /// A source file was refused.
+    /// A source was refused; the file at fault is the error's where it names one, else `path`.
     pub fn import(path: &Path, error: ImportError) -> Self {
         let code = match &error {
             ImportError::Read { .. } => ExitCode::Io,
-            ImportError::UnsupportedExtensions { .. } => ExitCode::Unsupported,
+            ImportError::UnsupportedExtensions { .. } | ImportError::TooManyFrames { .. } => ExitCode::Unsupported,
+            ImportError::NoInput
+            | ImportError::Inputs { .. }
+            | ImportError::FrameRate { .. }
+            | ImportError::FrameRange { .. } => ExitCode::CommandLine,
             _ => ExitCode::InvalidInput,
         };
         let message = error.to_string();
+        let path = error.path().unwrap_or(path).to_owned();
         let faults = if let ImportError::Faults { faults, .. } = error {
             faults
         } else {
@@ -63,7 +68,7 @@ impl Failure {
         };
         Self {
             faults,
-            ..Self::at(code, path, message)
+            ..Self::at(code, &path, message)
         }
     }
 
