@@ -27,7 +27,8 @@ pub struct Net {
 
 type Cell = [i64; 3];
 
-/// The surface on which the body's field is zero, closed, with outward winding.
+/// The surface on which the body's field is zero, closed, with outward winding. Each two triangles, the first with the
+/// second and so on, are a quadrilateral as [`Surface::push_quad`] cuts it.
 pub fn surface_of(body: &Body, net: &Net) -> Surface {
     let size = (net.high - net.low) / net.cell;
     let counts: [i64; 3] = size.to_array().map(|cells| cells.ceil() as i64);

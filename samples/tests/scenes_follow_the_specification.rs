@@ -1,5 +1,5 @@
-//! The generated files against the rules of the glTF 2.0 specification, by a walk over their JSON that shares nothing
-//! with the writer.
+//! The generated glTF files against the rules of the glTF 2.0 specification, by a walk over their JSON that shares
+//! nothing with the writer.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -20,7 +20,9 @@ fn u32_at(bytes: &[u8], offset: usize) -> usize {
 
 fn loaded() -> Vec<Loaded> {
     let files = scene_files().expect("the scenes are written");
-    let scenes = files.iter().filter(|file| !file.name.ends_with(".bin"));
+    let scenes = files
+        .iter()
+        .filter(|file| file.name.ends_with(".gltf") || file.name.ends_with(".glb"));
     scenes.map(|file| load(file, &files)).collect()
 }
 
