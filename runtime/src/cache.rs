@@ -67,14 +67,11 @@ impl PosedTrack {
         let maps = [Map64::new(&key(0)), Map64::new(&key(1))];
         let after = f64::from(time.weight);
         let weights = [1.0 - after, after];
-        let posed = |map: &Map64| PosedMap::product(&[&world[0], &world[1], map]);
         let lattice = Map64::lattice(track.origin, track.step);
+        let stored = |place: usize| PosedMap::weighted(weights[place], &[&world[0], &world[1], &maps[place], &lattice]);
         Self {
-            maps: [0, 1].map(|place: usize| {
-                let stored = Map64::weighted_product(weights[place], &maps[place], &lattice);
-                posed(&stored)
-            }),
-            frame: posed(&Map64::blend(weights, &maps)),
+            maps: [stored(0), stored(1)],
+            frame: PosedMap::product(&[&world[0], &world[1], &Map64::blend(weights, &maps)]),
         }
     }
 

@@ -131,15 +131,6 @@ impl Map64 {
             magnitudes: mix(|map| &map.magnitudes),
         }
     }
-
-    /// `weight·(a after b)`: the image of a point is `weight` times its image under the product.
-    pub(crate) fn weighted_product(weight: f64, a: &Self, b: &Self) -> Self {
-        let mut out = product(a, b);
-        for entry in out.columns.iter_mut().chain(&mut out.magnitudes).flatten() {
-            *entry *= weight;
-        }
-        out
-    }
 }
 
 /// `a` after `b`.
@@ -175,29 +166,29 @@ impl PosedMap {
     ///
     /// Complexity: identities are left out, which keeps them exact and the bound small.
     pub(crate) fn product(maps: &[&Map64]) -> Self {
-        let identity = Affine::IDENTITY.columns.map(|column| column.map(f64::from));
-        let mut chain = maps.iter().rev().filter(|map| map.columns != identity);
-        let Some(last) = chain.next() else {
-            return Self::rounded(&Map64::new(&Affine::IDENTITY), false);
-        };
-        let (mut total, mut several) = (**last, false);
-        for map in chain {
-            total = product(map, &total);
-            several = true;
-        }
-        Self::rounded(&total, several || maps.len() > 2)
+        Self::weighted(1.0, maps)
     }
 
-    /// `inexact` where the columns come out of `f64` arithmetic.
-    fn rounded(exact: &Map64, inexact: bool) -> Self {
+    /// `weight` times the product of maps: images of points are `weight` times theirs under the product.
+    pub(crate) fn weighted(weight: f64, maps: &[&Map64]) -> Self {
+        let identity = Affine::IDENTITY.columns.map(|column| column.map(f64::from));
+        let mut chain = maps.iter().rev().filter(|map| map.columns != identity);
+        let mut total = chain
+            .next()
+            .map_or_else(|| Map64::new(&Affine::IDENTITY), |last| **last);
+        for map in chain {
+            total = product(map, &total);
+        }
+        for entry in total.columns.iter_mut().chain(&mut total.magnitudes).flatten() {
+            *entry *= weight;
+        }
         let mut out = Self::ZERO;
         for j in 0..4 {
             for k in 0..3 {
-                let rounded = exact.columns[j][k] as f32;
+                let rounded = total.columns[j][k] as f32;
                 out.map.columns[j][k] = rounded;
-                let bound = if inexact { exact.magnitudes[j][k] } else { 0.0 };
                 // A subnormal entry is rounded by up to 2⁻¹⁵⁰, which is u times the last term.
-                out.magnitude[j][k] = f64::from(rounded.abs()) + bound * F64_CHAIN + SMALLEST_NORMAL;
+                out.magnitude[j][k] = f64::from(rounded.abs()) + total.magnitudes[j][k] * F64_CHAIN + SMALLEST_NORMAL;
             }
         }
         out

@@ -20,7 +20,7 @@ mod write_file;
 
 pub use caches::{CacheReport, SegmentReport};
 pub use error::BakeError;
-pub use motion::keyframed::{DecomposeReport, DecomposeSettings, FitModel};
+pub use motion::keyframed::{DecomposeReport, DecomposeSettings};
 pub use pipeline::{Baked, bake};
 pub use progress::{NoProgress, Progress};
 pub use report::{BakeReport, PartReport, StageSeconds};

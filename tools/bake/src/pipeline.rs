@@ -47,9 +47,6 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
 
     progress.stage("decompose", model.triangles.len() as u64);
     let carried = decompose(&model, &assembled.bones_of_part, &poses, progress);
-    if carried.is_empty() && model.caches.is_empty() {
-        return Err(BakeError::NothingToTrace);
-    }
     lap(&mut seconds.decompose);
 
     progress.stage("build", carried.len() as u64);
@@ -57,6 +54,9 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
     lap(&mut seconds.build);
 
     let caches = add_caches(&mut model, animation, &mut classes, settings, progress)?;
+    if model.clusters.is_empty() {
+        return Err(BakeError::NothingToTrace);
+    }
     lap(&mut seconds.caches);
 
     model.hashes = Hashes {

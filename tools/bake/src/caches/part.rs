@@ -9,7 +9,7 @@ use crate::{
     BakeError, BakeSettings, Progress,
     cost::{FUZZY_TREE, expected_cost, is_free},
     import::Animation,
-    motion::keyframed::{DecomposeSettings, ClusterMotion},
+    motion::keyframed::{DecomposeSettings, TrackKind},
     motion::Classified,
 };
 use restpose_formats::{
@@ -59,7 +59,9 @@ fn add_cache(
     let mut keys = part_keys(animation, part);
     let triangles = triangles_with_area(model, part, &mut keys);
     if triangles.is_empty() {
-        return Err(BakeError::NothingToTrace);
+        class.reason = "no triangle has an area in any key".to_owned();
+        rows::add_free(model, cache, &keys.frames, keys.weld.len(), &triangles)?;
+        return Ok(CacheReport::without_clusters(keys.frames.len()));
     }
     let budget = settings.position_error.unwrap_or_else(|| diagonal(&keys) * DEFAULT_POSITION_ERROR);
     let decompose = DecomposeSettings {
@@ -85,16 +87,11 @@ fn add_cache(
     })?;
 
     let mut report = CacheReport {
-        keys: keys.frames.len() as u64,
-        position_error: 0.0,
-        bytes_per_vertex_key: 12.0,
         expected_cost: one_cost,
         expected_cost_one_segment: one_cost,
         expected_cost_rebuilt: rebuilt,
-        residual: 0.0,
-        bytes: 0,
         bytes_one_segment: one_bytes,
-        segments: Vec::new(),
+        ..CacheReport::without_clusters(keys.frames.len())
     };
     model.parts[part].class = class.class as u32;
     let (vertex_first, vertex_count) = (model.parts[part].vertex_first as usize, keys.weld.len());
@@ -223,12 +220,12 @@ impl KindCounts {
         for cluster in &segment.clusters {
             let triangles = cluster.triangles.len();
             match cluster.kind {
-                ClusterMotion::Static => out.static_triangles += triangles,
-                ClusterMotion::Rigid => {
+                TrackKind::Static => out.static_triangles += triangles,
+                TrackKind::Rigid => {
                     out.rigid += 1;
                     out.rigid_triangles += triangles;
                 }
-                ClusterMotion::Coherent => {
+                TrackKind::Coherent => {
                     out.coherent += 1;
                     out.coherent_triangles += triangles;
                 }

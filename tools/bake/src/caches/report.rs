@@ -27,6 +27,24 @@ pub struct CacheReport {
     pub segments: Vec<SegmentReport>,
 }
 
+impl CacheReport {
+    /// Of a cache that is stored as it is.
+    pub(super) fn without_clusters(keys: usize) -> Self {
+        Self {
+            keys: keys as u64,
+            position_error: 0.0,
+            bytes_per_vertex_key: 12.0,
+            expected_cost: 0.0,
+            expected_cost_one_segment: 0.0,
+            expected_cost_rebuilt: 0.0,
+            residual: 0.0,
+            bytes: 0,
+            bytes_one_segment: 0,
+            segments: Vec::new(),
+        }
+    }
+}
+
 /// One time segment.
 #[derive(Clone, Debug, Serialize)]
 pub struct SegmentReport {

@@ -161,7 +161,7 @@ pub(super) fn add_free<F: AsRef<[[f32; 3]]>>(
         track_first: track,
         track_count: 1,
         cluster_first: row_count("clusters", model.clusters.len())?,
-        cluster_count: 1,
+        cluster_count: u32::from(!triangles.is_empty()),
         key_vertex_first: row_count("key vertices", model.key_vertices.len())?,
         reserved: 0,
     });
@@ -191,6 +191,9 @@ pub(super) fn add_free<F: AsRef<[[f32; 3]]>>(
                 extent = std::array::from_fn(|k| extent[k].max(point[k].abs()));
             }
         }
+    }
+    if triangles.is_empty() {
+        return Ok(());
     }
     let count = row_count("triangle references", triangles.len())?;
     model.clusters.push(ClusterRow {

@@ -6,7 +6,7 @@ use super::{
 use crate::{
     BakeError, Progress,
     bounds::FuzzyBox,
-    motion::keyframed::{DecomposeReport, DecomposeSettings, Decomposition, KeyFrames, ClusterMotion, decompose_keys},
+    motion::keyframed::{DecomposeReport, DecomposeSettings, Decomposition, KeyFrames, TrackKind, decompose_keys},
     cost::{FUZZY_TREE, expected_cost},
 };
 use rayon::prelude::*;
@@ -47,7 +47,7 @@ pub(crate) struct Segment {
 
 /// A cluster of a segment.
 pub(crate) struct SegmentCluster {
-    pub kind: ClusterMotion,
+    pub kind: TrackKind,
     pub track: KeyTrack,
     /// Places of its triangles in [`PartKeys::triangles`], ascending.
     pub triangles: Vec<u32>,
@@ -107,7 +107,7 @@ impl Segment {
         let parts = clusters.into_iter().zip(tracks).zip(members).zip(bounded).zip(trees);
         let clusters: Vec<SegmentCluster> = parts
             .map(|((((found, track), triangles), bounded), tree)| SegmentCluster {
-                kind: found.motion,
+                kind: found.kind,
                 track,
                 triangles,
                 boxes: bounded.boxes,

@@ -153,7 +153,7 @@ mod tests {
             primitive_first: 0,
             primitive_count: 0,
             morph_set: 0,
-            reserved: 0,
+            cache: NONE,
         }
     }
 

@@ -1,0 +1,76 @@
+//! The contract for vertex caches: hits equal brute force, bit for bit, at any time between keys.
+
+use proptest::{prelude::*, test_runner::RngSeed};
+use restpose_bake::{
+    BakeError, BakeSettings, Baked, DecomposeSettings, MotionClass, NoProgress, SegmentSettings, bake,
+    import::Animation,
+    verify::{VerifyReport, VerifySettings, verify},
+};
+use restpose_runtime::Asset;
+use restpose_tests::{CacheRecipe, Motion, random_cache};
+use std::sync::Arc;
+
+fn verified(animation: &Animation, settings: &BakeSettings, rays: u64) -> Option<(Baked, VerifyReport)> {
+    let baked = match bake(animation, settings, &NoProgress) {
+        // Far from the origin all points can be one, and a part that stands still cannot be in free motion.
+        Err(BakeError::NothingToTrace | BakeError::Class { .. }) => return None,
+        baked => baked.unwrap_or_else(|error| panic!("{error}")),
+    };
+    let bytes = restpose_formats::write(&baked.model).unwrap_or_else(|error| panic!("{error}"));
+    let asset = Arc::new(Asset::from_bytes(&bytes).unwrap_or_else(|error| panic!("{error}")));
+    let settings = VerifySettings {
+        rays,
+        poses: 12,
+        seed: 3,
+    };
+    let report = verify(&asset, animation, &settings, &NoProgress).unwrap_or_else(|error| panic!("{error}"));
+    Some((baked, report))
+}
+
+proptest! {
+    // The same cases every time; PROPTEST_CASES=100000 is a night's search.
+    #![proptest_config(ProptestConfig { rng_seed: RngSeed::Fixed(2), failure_persistence: None, ..ProptestConfig::with_cases(160) })]
+
+    #[test]
+    fn hits_equal_brute_force_on_random_caches(
+        seed in any::<u64>(),
+        frames in prop_oneof![Just(1usize), Just(2), Just(3), 4usize..40],
+        parts in 1usize..3,
+        pieces in 1usize..5,
+        points in 3usize..14,
+        bridges in 0usize..6,
+        motion in 0usize..=Motion::ALL.len(),
+        residual in prop_oneof![Just(0.0), Just(0.01), Just(0.3)],
+        exponent in -30i32..=28,
+        offset in prop_oneof![Just(0.0), Just(10.0), Just(1e4), Just(1e7)],
+        moving_nodes in any::<bool>(),
+        exact in any::<bool>(),
+        segments in 1usize..5,
+        free in prop_oneof![4 => Just(false), 1 => Just(true)],
+    ) {
+        let motions = if motion == Motion::ALL.len() { Motion::ALL } else { &Motion::ALL[motion..=motion] };
+        let exponent = if offset > 10.0 { exponent / 2 } else { exponent };
+        let recipe = CacheRecipe {
+            seed, frames, parts, pieces, points, bridges, motions, residual, offset, moving_nodes,
+            scale: 10f64.powi(exponent),
+        };
+        let animation = random_cache(&recipe);
+        let overrides = if free {
+            animation.parts.iter().map(|part| (part.name.clone(), MotionClass::Free)).collect()
+        } else {
+            Vec::new()
+        };
+        let settings = BakeSettings {
+            position_error: exact.then_some(0.0),
+            segments: SegmentSettings { most: segments, worth: 0.0 },
+            motion: DecomposeSettings { max_clusters: 6, ..DecomposeSettings::default() },
+            rays_per_frame: 0.0,
+            class_overrides: overrides,
+            ..BakeSettings::default()
+        };
+        let Some((_, report)) = verified(&animation, &settings, 600) else {
+            return Ok(());
+        };
+        prop_assert_eq!((report.missed, report.wrong), (0, 0), "{:?}: {:#?}", recipe, report.failures);
+    }
+}
