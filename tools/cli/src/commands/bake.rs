@@ -146,6 +146,7 @@ fn settings(args: &BakeArgs) -> BakeSettings {
             .iter()
             .map(|forced| (forced.part.clone(), forced.class))
             .collect(),
+        ..default
     }
 }
 
@@ -187,7 +188,7 @@ fn check_output(input: &Path, output: &Path) -> Result<(), Failure> {
 fn is_current(output: &Path, imported: &Imported, settings: &BakeSettings) -> bool {
     Asset::open(output).is_ok_and(|asset| {
         let hashes = asset.model().hashes;
-        hashes.source == imported.animation.source_hash && hashes.options == settings.hash()
+        hashes.source == imported.animation.source_hash && hashes.options == settings.hash(&imported.animation.import_options)
     })
 }
 

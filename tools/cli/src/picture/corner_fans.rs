@@ -109,7 +109,7 @@ mod tests {
     use super::*;
     use restpose_formats::{
         Model,
-        rows::{PartRow, VertexRow},
+        rows::{NONE, PartRow, VertexRow},
     };
 
     /// Two triangles that share an edge, folded there by `height`, each with vertices of its own.
