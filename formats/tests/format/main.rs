@@ -5,6 +5,7 @@ mod fixture;
 
 mod bare_reader;
 mod broken;
+mod cache_limits;
 mod cache_rules;
 mod damage;
 mod golden;
