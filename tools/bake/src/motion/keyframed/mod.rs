@@ -4,6 +4,7 @@
 
 mod axes;
 mod components;
+mod exchange;
 mod fit;
 mod frames;
 mod fuzzy;
@@ -31,6 +32,7 @@ pub use settings::DecomposeSettings;
 use crate::Progress;
 use components::Components;
 use members::Members;
+use refine::Refined;
 use restpose_formats::geom::Affine;
 use rigid::{Rigidity, sort_components};
 use states::States;
@@ -177,18 +179,29 @@ fn cluster(
     report.least_squares_cost = grown.steps.last().map_or(0.0, |step| step.cost);
     report.steps = grown.steps;
     report.stop = grown.stop;
-    report.ideal_cost = states.ideal_cost();
+    report.ideal_cost = states.ideal_costs().iter().sum::<f64>() * states.unit * states.unit;
     out.rest_key = grown.rest_key;
 
     let mut refined = refine::refine(states, grown.clustering.tracks, grown.clustering.tiers);
-    let after_refine = Instant::now();
-    report.seconds.refine = (after_refine - after_grow).as_secs_f64();
-    let turned = if settings.principal_axes {
-        axes::turn_axes(states, &mut refined)
-    } else {
-        Vec::new()
+    let mut axes_seconds = 0.0;
+    let mut turn_axes = |refined: &mut Refined, search: bool| {
+        let begin = Instant::now();
+        let turned = if settings.principal_axes {
+            axes::turn_axes(states, refined, search)
+        } else {
+            Vec::new()
+        };
+        axes_seconds += begin.elapsed().as_secs_f64();
+        turned
     };
-    report.seconds.axes = after_refine.elapsed().as_secs_f64();
+    turn_axes(&mut refined, false);
+    refined = exchange::exchange(states, refined, grown.rest_key, &mut |refined| {
+        turn_axes(refined, false);
+    });
+    let turned = turn_axes(&mut refined, true);
+    refined = refine::refine(states, refined.tracks, refined.tiers);
+    report.seconds.refine = after_grow.elapsed().as_secs_f64() - axes_seconds;
+    report.seconds.axes = axes_seconds;
     report.turned_clusters = turned.iter().filter(|turned| **turned).count();
     report.cost = refined.cost * states.unit * states.unit;
     report.tiers = refined.tiers;

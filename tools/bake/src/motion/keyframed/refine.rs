@@ -45,9 +45,15 @@ pub(super) struct Refined {
 ///
 /// Guarantee: the cost is not above that of the start with its triangles given to their best clusters.
 pub(super) fn refine(states: &States, tracks: Vec<Track>, tiers: TierCounts) -> Refined {
-    let (mut best, mut boxes) = by_cost(states, tracks, tiers);
+    let (start, boxes) = by_cost(states, tracks, tiers);
+    settle(states, start, boxes, ROUNDS).0
+}
+
+/// The rounds of [`refine`] from what [`by_cost`] found.
+pub(super) fn settle(states: &States, start: Refined, boxes: PointBoxes, rounds: usize) -> (Refined, PointBoxes) {
+    let (mut best, mut boxes) = (start, boxes);
     let mut step = FIRST_STEP;
-    for _ in 0..ROUNDS {
+    for _ in 0..rounds {
         if step < LAST_STEP || best.cost <= 0.0 {
             break;
         }
@@ -60,7 +66,7 @@ pub(super) fn refine(states: &States, tracks: Vec<Track>, tiers: TierCounts) -> 
             (best, boxes) = (next, next_boxes);
         }
     }
-    best
+    (best, boxes)
 }
 
 /// Gives every triangle to the cluster where its fuzzy box costs least.

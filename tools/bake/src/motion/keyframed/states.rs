@@ -2,7 +2,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// Points that are laid side by side: what a core's first cache holds of accumulators for some thirty clusters.
-pub(super) const LANES: usize = 256;
+pub(super) const LANES: usize = 64;
 
 /// Triangles that are to be clustered, with their points in every key, normalised: each key about the centre of its
 /// box, all by one scale, so that no coordinate exceeds 1/2 and neither offsets nor units matter.
@@ -122,18 +122,15 @@ impl States {
         [&rows[0], &rows[1], &rows[2]]
     }
 
-    /// Mean over the keys of the surfaces of all triangles' own boxes, square scene units.
-    pub(super) fn ideal_cost(&self) -> f64 {
-        let of_key = |key: usize| -> f64 {
-            let surface = |triangle: &[u32; 3]| {
-                let [a, b, c] = triangle.map(|point| self.position(key, point as usize));
-                let sides = a.max(b).max(c) - a.min(b).min(c);
-                2.0 * (sides.x * sides.y + sides.y * sides.z + sides.z * sides.x)
-            };
-            self.triangles.iter().map(surface).sum()
+    /// Per triangle, the mean over the keys of the surface of its own box, square normalised units.
+    pub(super) fn ideal_costs(&self) -> Vec<f64> {
+        let surface = |key: usize, triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|point| self.position(key, point as usize));
+            let sides = a.max(b).max(c) - a.min(b).min(c);
+            2.0 * (sides.x * sides.y + sides.y * sides.z + sides.z * sides.x)
         };
-        let sums: Vec<f64> = (0..self.keys).into_par_iter().map(of_key).collect();
-        sums.iter().sum::<f64>() / self.keys as f64 * self.unit * self.unit
+        let mean = |triangle| (0..self.keys).map(|key| surface(key, triangle)).sum::<f64>() / self.keys as f64;
+        self.triangles.par_iter().map(mean).collect()
     }
 }
 
