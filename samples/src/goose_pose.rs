@@ -66,8 +66,8 @@ const LOOK_DEG: [(f64, f64); 7] = [
 /// Degrees by which the wings are raised from where they are spread.
 const WINGS_DEG: [(f64, f64); 12] = [
     (0.0, -52.0),
-    (26.0, -48.0),
-    (32.0, -64.0),
+    (25.0, -50.0),
+    (32.0, -20.0),
     (HEADER, 48.0),
     (39.0, -34.0),
     (41.5, 36.0),

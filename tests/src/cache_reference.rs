@@ -46,7 +46,7 @@ impl CacheReference {
         let (seconds, frames) = if cache.starts_with(point_cache::PC2_MAGIC) {
             point_cache::pc2(cache, frames_per_second.unwrap_or(DEFAULT_FRAMES_PER_SECOND))
         } else {
-            point_cache::mdd(cache)
+            point_cache::mdd(cache, frames_per_second)
         };
         Self::new(obj, seconds, frames)
     }

@@ -10,10 +10,8 @@ pub struct Obj {
 /// A polygon.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ObjFace {
-    /// Name of the last `o` line before it; empty where there is none.
-    pub object: String,
-    /// Names of the last `g` line before it; empty where there is none.
-    pub group: String,
+    /// Name of the last `o` or `g` line before it, whichever came later; `None` where there is none.
+    pub group: Option<String>,
     /// Vertices, from 0; at least three.
     pub corners: Vec<usize>,
 }
@@ -33,7 +31,7 @@ impl Obj {
         let text = String::from_utf8_lossy(bytes);
         // A backslash at the end of a line joins it with the next.
         let text = text.replace("\r\n", "\n").replace('\r', "\n").replace("\\\n", " ");
-        let (mut object, mut group) = (String::new(), String::new());
+        let mut group = None;
         let mut obj = Self::default();
         for (number, line) in text.split('\n').enumerate() {
             let line = line.split('#').next().unwrap_or("");
@@ -44,13 +42,14 @@ impl Obj {
                     let corners: Vec<usize> = words.map(|word| vertex(word, obj.positions.len(), number)).collect();
                     assert!(corners.len() >= 3, "line {number}: a face of {} corners", corners.len());
                     obj.faces.push(ObjFace {
-                        object: object.clone(),
                         group: group.clone(),
                         corners,
                     });
                 }
-                Some("o") => object = words.collect::<Vec<_>>().join(" "),
-                Some("g") => group = words.collect::<Vec<_>>().join(" "),
+                Some("o" | "g") => {
+                    let name = words.collect::<Vec<_>>().join(" ");
+                    group = Some(if name.is_empty() { "default".to_owned() } else { name });
+                }
                 _ => {}
             }
         }

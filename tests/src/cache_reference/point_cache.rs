@@ -67,12 +67,17 @@ pub(super) fn pc2(bytes: &[u8], frames_per_second: f64) -> Frames {
     ((0..samples).map(seconds).collect(), words.frames(samples, points))
 }
 
-pub(super) fn mdd(bytes: &[u8]) -> Frames {
+/// A frame rate replaces the file's own times.
+pub(super) fn mdd(bytes: &[u8], frames_per_second: Option<f64>) -> Frames {
     let mut words = Words {
         bytes,
         big_endian: true,
     };
     let (frames, points) = (words.count(), words.count());
-    let seconds = (0..frames).map(|_| f64::from(words.number())).collect();
+    let own: Vec<f64> = (0..frames).map(|_| f64::from(words.number())).collect();
+    let seconds = match frames_per_second {
+        Some(rate) => (0..frames).map(|frame| frame as f64 / rate).collect(),
+        None => own,
+    };
     (seconds, words.frames(frames, points))
 }

@@ -48,13 +48,17 @@ fn negative_numbers_count_from_the_vertices_so_far() {
 }
 
 #[test]
-fn polygons_become_fans_and_know_their_object_and_group() {
-    let text = "v 0 0 0\nv 1 0 0\nv 2 1 0\nv 1 2 0\nv 0 1 0\no big pen\nf 1 2 3 4 5\ng a b\nf 1 2 3\no ball\nf 1 2 4\n";
+fn polygons_become_fans_and_know_their_group() {
+    let text = "v 0 0 0\nv 1 0 0\nv 2 1 0\nv 1 2 0\nv 0 1 0\nf 3 4 5\no big pen\n\
+                f 1 2 3 4 5\ng a b\nf 1 2 3\no ball\nf 1 2 4\ng\nf 2 3 4\n";
     let obj = Obj::parse(text.as_bytes());
-    let fan: Vec<[usize; 3]> = obj.faces[0].triangles().collect();
+    let fan: Vec<[usize; 3]> = obj.faces[1].triangles().collect();
     assert_eq!(fan, [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
-    let names: Vec<(&str, &str)> = obj.faces.iter().map(|face| (&*face.object, &*face.group)).collect();
-    assert_eq!(names, [("big pen", ""), ("big pen", "a b"), ("ball", "a b")]);
+    let names: Vec<Option<&str>> = obj.faces.iter().map(|face| face.group.as_deref()).collect();
+    assert_eq!(
+        names,
+        [None, Some("big pen"), Some("a b"), Some("ball"), Some("default")]
+    );
 }
 
 #[test]
@@ -92,9 +96,11 @@ fn mdd_is_big_endian_and_states_its_times() {
     for number in [0.25f32, 1.25].iter().chain(&GROWTH) {
         bytes.extend(number.to_be_bytes());
     }
-    let reference = CacheReference::from_bytes(TRIANGLE, &bytes, Some(50.0));
+    let reference = CacheReference::from_bytes(TRIANGLE, &bytes, None);
     assert_eq!(reference.frame_seconds(), [0.25, 1.25]);
     assert_eq!(reference.positions(0.75)[2], [0.0, 2.0, 0.0]);
+    let faster = CacheReference::from_bytes(TRIANGLE, &bytes, Some(50.0));
+    assert_eq!(faster.frame_seconds(), [0.0, 0.02]);
 }
 
 #[test]
