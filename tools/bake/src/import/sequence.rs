@@ -66,9 +66,17 @@ pub(super) fn import_sequence(
     let expected = point_count
         .saturating_mul(kept.count)
         .min(byte_count / LEAST_POINT_BYTES);
-    positions.reserve_exact(expected.saturating_sub(point_count));
+    // Only spares copies; where it fails, the frames may still fit.
+    let _ = positions.try_reserve_exact(expected.saturating_sub(point_count));
     for (number, path) in others {
-        let mut sink = FrameSink::new(&mesh, point_count, &mut positions);
+        let mut sink = FrameSink {
+            first: &mesh,
+            first_point_count: point_count,
+            begin: positions.len(),
+            positions: &mut positions,
+            face_count: 0,
+            different: None,
+        };
         let mut own_faults = FaultList::default();
         reader::read(&read(path)?, &mut sink, &mut own_faults);
         if own_faults.has_errors() {
@@ -114,29 +122,20 @@ struct FrameSink<'a> {
     first: &'a ObjMesh,
     first_point_count: usize,
     positions: &'a mut Vec<[f32; 3]>,
-    point_count: usize,
+    /// Where this frame's points begin.
+    begin: usize,
     face_count: usize,
     /// The first face that differs.
     different: Option<ConnectivityDifference>,
 }
 
-impl<'a> FrameSink<'a> {
-    fn new(first: &'a ObjMesh, first_point_count: usize, positions: &'a mut Vec<[f32; 3]>) -> Self {
-        Self {
-            first,
-            first_point_count,
-            positions,
-            point_count: 0,
-            face_count: 0,
-            different: None,
-        }
-    }
-
+impl FrameSink<'_> {
     fn difference(self) -> Option<ConnectivityDifference> {
-        if self.point_count != self.first_point_count {
+        let point_count = self.positions.len() - self.begin;
+        if point_count != self.first_point_count {
             return Some(ConnectivityDifference::PointCount {
                 expected: self.first_point_count,
-                found: self.point_count,
+                found: point_count,
             });
         }
         if self.face_count != self.first.faces.len() {
@@ -151,10 +150,7 @@ impl<'a> FrameSink<'a> {
 
 impl Sink for FrameSink<'_> {
     fn point(&mut self, position: [f32; 3]) {
-        if self.point_count < self.first_point_count {
-            self.positions.push(position);
-        }
-        self.point_count += 1;
+        self.positions.push(position);
     }
 
     fn face(&mut self, corners: &[u32], line: usize, _: &mut FaultList) {

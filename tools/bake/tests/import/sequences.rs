@@ -157,6 +157,16 @@ fn a_frame_with_another_mesh_is_named_with_the_difference() {
             "has 3 faces, the first frame 2",
         ),
         (
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 3 2 1 4\n",
+            ConnectivityDifference::Corners {
+                face: 0,
+                line: 5,
+                expected: vec![0, 1, 2, 3],
+                found: vec![0, 1, 2],
+            },
+            "face 1 (line 5) has the corners 1 2 3, in the first frame 1 2 3 4",
+        ),
+        (
             "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3 4\nf 3 2 9\n",
             ConnectivityDifference::Corners {
                 face: 1,
