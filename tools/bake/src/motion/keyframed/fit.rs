@@ -211,8 +211,8 @@ fn norm(m: DMat3) -> f64 {
 /// Least squares alone, where Frobenius norms (which bound singular values) show that no limit is touched.
 fn plain_fit(vv: DMat3, rv: DMat3, scale: f64) -> Option<DMat3> {
     let inverse = vv.inverse();
-    // NaN from a singular matrix fails the comparison.
-    if !(norm(vv) * norm(inverse) * THIN <= 1.0) {
+    let spread = norm(vv) * norm(inverse) * THIN;
+    if spread.is_nan() || spread > 1.0 {
         return None;
     }
     let linear = rv * inverse;
@@ -265,5 +265,85 @@ impl std::ops::AddAssign for TierCounts {
         self.similarity += more.similarity;
         self.rigid += more.rigid;
         self.translation += more.translation;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn vector(random: &mut fastrand::Rng) -> DVec3 {
+        DVec3::from_array(std::array::from_fn(|_| random.f64() - 0.5))
+    }
+
+    fn fit(pairs: &[(DVec3, DVec3)], model: FitModel, previous: DMat3) -> (Map, Tier) {
+        let mut moments = Moments::about(pairs[0].0, pairs[0].1);
+        pairs.iter().for_each(|(v, r)| moments.add(0.3, *v, *r));
+        moments.fit(model, previous)
+    }
+
+    #[test]
+    fn an_affine_map_is_found_exactly_wherever_the_points_are() {
+        let mut random = fastrand::Rng::with_seed(1);
+        for _ in 0..200 {
+            let (at, size) = (vector(&mut random) * 1e3, 10f64.powi(random.i32(-4..1)));
+            let linear = DMat3::IDENTITY + DMat3::from_cols_array(&std::array::from_fn(|_| random.f64() * 0.6 - 0.3));
+            let points: Vec<DVec3> = (0..20).map(|_| at + vector(&mut random) * size).collect();
+            let pairs: Vec<_> = points.iter().map(|v| (*v, linear * (*v - at))).collect();
+            let (map, tier) = fit(&pairs, FitModel::Affine, DMat3::IDENTITY);
+            assert_eq!(tier, Tier::Affine);
+            let worst = pairs
+                .iter()
+                .map(|(v, r)| (map.apply(*v) - *r).length())
+                .fold(0.0, f64::max);
+            // Coordinates of a thousand in f64, through a fit of condition a hundred.
+            assert!(worst < 1e-10, "{worst}");
+        }
+    }
+
+    #[test]
+    fn every_fit_keeps_its_limits() {
+        let mut random = fastrand::Rng::with_seed(2);
+        for round in 0..2000 {
+            let flatten = |v: DVec3, kind: usize| match kind {
+                0 => v,
+                1 => v * DVec3::new(1.0, 1.0, 0.0),
+                2 => v * DVec3::X,
+                3 => DVec3::ONE,
+                4 => v * DVec3::new(1.0, 1.0, -1e-3),
+                _ => v * 1e-5,
+            };
+            let (from, to) = (round % 6, round / 6 % 6);
+            let pairs: Vec<_> = (0..1 + round % 9)
+                .map(|_| (flatten(vector(&mut random), from), flatten(vector(&mut random), to)))
+                .collect();
+            for model in [FitModel::Affine, FitModel::Similarity, FitModel::Rigid] {
+                let (map, _) = fit(&pairs, model, DMat3::IDENTITY);
+                let values = signed_svd(map.linear).values;
+                assert!(
+                    map.offset.is_finite() && values.z > 0.0,
+                    "round {round} {model:?}: {values}"
+                );
+                // The limits, and the rounding of a product of three matrices.
+                let limit = STRETCH_LIMIT * STRETCH_LIMIT * 1.000_001;
+                assert!(values.x / values.z <= limit, "round {round} {model:?}: {values}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_twist_about_a_line_is_that_of_the_neighbouring_key() {
+        let twist = DMat3::from_rotation_x(1.0);
+        let pairs: Vec<_> = (0..5)
+            .map(|x| (DVec3::X * f64::from(x), DVec3::X * f64::from(x)))
+            .collect();
+        let (map, tier) = fit(&pairs, FitModel::Affine, twist);
+        assert_eq!(tier, Tier::Flat);
+        // What a weight of 2⁻²⁴ leaves of f64 rounding.
+        assert!(
+            (map.linear * DVec3::Y - twist * DVec3::Y).length() < 1e-6,
+            "{}",
+            map.linear
+        );
     }
 }

@@ -216,3 +216,62 @@ fn add_residuals(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::keyframed::{fit::FitModel, fit::Moments};
+
+    #[test]
+    fn costs_are_those_of_fitting_every_pair() {
+        let mut random = fastrand::Rng::with_seed(4);
+        // More keys than a tile, more points than a panel.
+        let (keys, points) = (TILE + 5, POINTS + 9);
+        let base: Vec<DVec3> = (0..points)
+            .map(|_| DVec3::from_array(std::array::from_fn(|_| random.f64())))
+            .collect();
+        let frames: Vec<Vec<[f32; 3]>> = (0..keys)
+            .map(|key| {
+                let size = 1.0 + (key % 3) as f64;
+                let mut noise = || DVec3::from_array(std::array::from_fn(|_| random.f64() * 0.1));
+                base.iter()
+                    .map(|v| ((*v + noise()) * size).as_vec3().to_array())
+                    .collect()
+            })
+            .collect();
+        let frames: Vec<&[[f32; 3]]> = frames.iter().map(Vec::as_slice).collect();
+        let all: Vec<u32> = (0..points as u32).collect();
+        let triangles = (0..points as u32 - 2).map(|k| [k, k + 1, k + 2]).collect();
+        let states = States::new(&frames, &all, triangles);
+        let half = states.triangles.len() / 2;
+        let cluster_of: Vec<u32> = (0..states.triangles.len()).map(|t| u32::from(t < half)).collect();
+        let clusters = Members::of_clusters(&states, &cluster_of, 2);
+        let direct = |rest: usize| -> f64 {
+            let of_cluster = |members: &Members| -> f64 {
+                let growth = spread(&states, members).growth[rest];
+                let residual = |key: usize| {
+                    let mut moments = Moments::about(DVec3::ZERO, DVec3::ZERO);
+                    let points = || members.points.iter().map(|p| *p as usize).zip(&members.weights);
+                    points().for_each(|(p, w)| moments.add(*w, states.position(key, p), states.position(rest, p)));
+                    let (map, _) = moments.fit(FitModel::Affine, DMat3::IDENTITY);
+                    let off =
+                        |p: usize| (map.apply(states.position(key, p)) - states.position(rest, p)).length_squared();
+                    points().map(|(p, w)| w * off(p)).sum::<f64>()
+                };
+                (0..keys).map(residual).sum::<f64>() * growth
+            };
+            clusters.iter().map(of_cluster).sum()
+        };
+        for candidates in [(0..keys).collect::<Vec<_>>(), (0..keys).step_by(2).collect()] {
+            let costs = costs(&states, &clusters, &candidates);
+            for (cost, rest) in costs.iter().zip(&candidates) {
+                let expected = direct(*rest);
+                // Differences of covariances in f64; both are about a hundredth of them.
+                assert!(
+                    (cost - expected).abs() <= 1e-9 * expected,
+                    "rest {rest}: {cost} {expected}"
+                );
+            }
+        }
+    }
+}

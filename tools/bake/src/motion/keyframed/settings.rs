@@ -7,8 +7,8 @@ pub struct DecomposeSettings {
     /// Relaxation for one number of clusters ends when an iteration lowers the residual by less than this part of it.
     /// 0 (only when nothing changes) to 1; default 0.01, the thesis's.
     pub iteration_threshold: f64,
-    /// No further cluster is added when the last [`super::grow::PATIENCE`] together lowered the residual (RMS) by less
-    /// than this part of it per cluster. 0 (never) to 1; default 0.01.
+    /// No further cluster is added when the last three lowered the residual (RMS) by less than this part of it each,
+    /// on average. 0 (never) to 1; default 0.01.
     pub cluster_threshold: f64,
     /// Most iterations for one number of clusters. At least 1; default 32.
     pub max_iterations: usize,
