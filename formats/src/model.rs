@@ -2,8 +2,8 @@ use crate::{
     Meta,
     rows::{
         BoneRow, CacheRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterRow, InfluenceRow, KdNodeRow, KeyRow,
-        KeyVertexRow, MorphDeltaRow, MorphSetRow, MorphTargetRow, NodeRow, PartRow, PrimitiveRow, SampleRow,
-        SegmentRow, TrackRow, TriangleRow, VertexRow,
+        KeyVertexRow, MorphDeltaRow, MorphSetRow, MorphTargetRow, NodeRow, PartRow, PrimitiveRow, ReferenceBoxRow,
+        SampleRow, SegmentRow, TrackRow, TriangleRow, VertexRow,
     },
 };
 
@@ -143,4 +143,6 @@ sections! {
     kd_nodes: KdNodeRow,
     /// Triangle ids in the leaves of all fuzzy trees.
     references: u32,
+    /// Fuzzy box of each reference's triangle.
+    reference_boxes: ReferenceBoxRow,
 }

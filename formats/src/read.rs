@@ -69,6 +69,7 @@ fn borrow<'a>(header: &Header, sections: &Sections<'a>) -> Result<ModelView<'a>,
         cluster_bones: rows(sections, SectionKind::ClusterBones)?,
         kd_nodes: rows(sections, SectionKind::KdNodes)?,
         references: rows(sections, SectionKind::References)?,
+        reference_boxes: rows(sections, SectionKind::ReferenceBoxes)?,
     })
 }
 

@@ -1,7 +1,7 @@
 use crate::rows::{
     BoneRow, CacheRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterRow, InfluenceRow, KdNodeRow, KeyRow, KeyVertexRow,
-    MorphDeltaRow, MorphSetRow, MorphTargetRow, NodeRow, PartRow, PrimitiveRow, SampleRow, SegmentRow, TrackRow,
-    TriangleRow, VertexRow,
+    MorphDeltaRow, MorphSetRow, MorphTargetRow, NodeRow, PartRow, PrimitiveRow, ReferenceBoxRow, SampleRow, SegmentRow,
+    TrackRow, TriangleRow, VertexRow,
 };
 use bytemuck::{Pod, Zeroable};
 use std::fmt;
@@ -69,6 +69,7 @@ section_kinds! {
     ClusterBones b"CBON" ClusterBoneRow: "Cluster bones.",
     KdNodes b"KDND" KdNodeRow: "Nodes of the fuzzy trees.",
     References b"REFS" u32: "Triangle ids in the leaves.",
+    ReferenceBoxes b"RBOX" ReferenceBoxRow: "Fuzzy boxes of the triangles in the leaves.",
 }
 
 impl SectionKind {

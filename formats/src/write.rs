@@ -90,7 +90,7 @@ fn place(kind: SectionKind, bytes: &[u8], end: u64) -> Option<SectionEntry> {
 }
 
 /// The sections in file order. A new field of the model that is not written here does not compile.
-fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKind, &'a [u8]); 27] {
+fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKind, &'a [u8]); 28] {
     let ModelView {
         hashes: _,
         meta: _,
@@ -120,6 +120,7 @@ fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKin
         cluster_bones,
         kd_nodes,
         references,
+        reference_boxes,
     } = *view;
     [
         (SectionKind::Meta, meta_bytes),
@@ -149,5 +150,6 @@ fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKin
         (SectionKind::ClusterBones, cast_slice(cluster_bones)),
         (SectionKind::KdNodes, cast_slice(kd_nodes)),
         (SectionKind::References, cast_slice(references)),
+        (SectionKind::ReferenceBoxes, cast_slice(reference_boxes)),
     ]
 }

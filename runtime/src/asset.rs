@@ -4,7 +4,7 @@ use crate::{
     OpenError, cache::CACHE_ROUNDINGS, cluster_frame::vertex_error as vertex_error_of, map::StoredModel,
     vertex::rounding_count,
 };
-use restpose_formats::{FormatError, ModelView};
+use restpose_formats::{FormatError, ModelView, rows::box_steps};
 use std::{io, path::Path};
 
 /// A baked file, checked once, then only read. Any number of instances and threads share it.
@@ -12,6 +12,8 @@ pub struct Asset {
     model: StoredModel,
     vertex_error: f64,
     cache_vertex_error: f64,
+    /// Per cluster row: steps of the lattice of its triangles' boxes.
+    box_steps: Vec<[f32; 3]>,
 }
 
 impl Asset {
@@ -62,10 +64,13 @@ impl Asset {
     fn new(model: StoredModel) -> Self {
         let vertex_error = vertex_error_of(rounding_count(model.view()));
         let cache_vertex_error = vertex_error_of(CACHE_ROUNDINGS);
+        let clusters = model.view().clusters.iter();
+        let box_steps = clusters.map(|cluster| box_steps(&cluster.bounds_local)).collect();
         Self {
             model,
             vertex_error,
             cache_vertex_error,
+            box_steps,
         }
     }
 
@@ -96,6 +101,11 @@ impl Asset {
     /// The same for a vertex of a cache.
     pub(crate) fn cache_vertex_error(&self) -> f64 {
         self.cache_vertex_error
+    }
+
+    /// Steps of the lattice on which the boxes of a cluster's triangles are.
+    pub(crate) fn box_steps(&self, cluster: u32) -> &[f32; 3] {
+        &self.box_steps[cluster as usize]
     }
 }
 

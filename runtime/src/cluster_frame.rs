@@ -26,14 +26,21 @@
 //! 1 to 3 make [`ClusterFrame::margin_local`], fixed for the frame; 4 to 6 are [`RAY_ERROR`]`·D·Σ|L|` and a term in
 //! the size of the local box, added when a ray enters.
 //!
+//! Boxes of single triangles are on a lattice, and a plane at step q is computed as `q·(step·(1/d)) + ((min − o) ∓
+//! margin)·(1/d)`: nine roundings, relative to `|min − o|` and the side of the box, which is at most twice its extent.
+//! That is within the 4u relative to `|plane − o|` of point 6 and 32u of the extent.
+//!
 //! Based on: Higham, *Accuracy and Stability of Numerical Algorithms*, §3; Ize, *Robust BVH Ray Traversal*, JCGT 2(2),
 //! 2013. Differs from Ize: he widens `t` of the far planes by 1 + 2γ; here the plane itself moves by an absolute
 //! length, because the geometry, too, is uncertain by one.
 
 use crate::triangle::VERTEX_ERROR;
-use restpose_formats::geom::{
-    Aabb, Affine,
-    round::{UNIT_ROUNDOFF, f32_above, f32_below, gamma},
+use restpose_formats::{
+    geom::{
+        Aabb, Affine,
+        round::{UNIT_ROUNDOFF, f32_above, f32_below, gamma},
+    },
+    rows::ReferenceBoxRow,
 };
 
 /// Cluster frames whose linear part has a greater condition number (Frobenius) are not inverted.
@@ -320,7 +327,7 @@ impl ClusterFrame {
 
             let (_, moved) = dot_and_bound(l[k], vertex_error);
             // |c_l| once in point 5; planes of the local box twice the extent in point 6.
-            let box_rounding = 16.0 * UNIT_ROUNDOFF * (f64::from(center_local[k].abs()) + extent[k]);
+            let box_rounding = 32.0 * UNIT_ROUNDOFF * (f64::from(center_local[k].abs()) + extent[k]);
             let scale = l[k][0].abs() + l[k][1].abs() + l[k][2].abs();
             let margin = residual + moved + box_rounding + F64_SLACK * rounding + UNDERFLOW_FLOOR * (1.0 + scale);
             // The last factor: point 6 relative to the margin itself, and its sum with the ray's part.
@@ -447,6 +454,62 @@ impl SlabRay {
             }
         }
         (enter <= exit).then_some((enter, exit))
+    }
+}
+
+/// A ray ready for the boxes of single triangles: where along it the planes of a cluster's lattice lie.
+///
+/// Of the two planes of an axis, `near` is the one that the ray meets first.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LatticeRay {
+    /// `t` per lattice step.
+    rate: [f32; 3],
+    /// `t` of the lattice's zero, widened for near planes.
+    near: [f32; 3],
+    /// The same for far planes.
+    far: [f32; 3],
+    /// Whether the ray runs with the axis.
+    forward: [bool; 3],
+}
+
+impl LatticeRay {
+    /// `steps` are those of [`restpose_formats::rows::box_steps`].
+    #[inline]
+    pub(crate) fn new(ray: &SlabRay, bounds: &Aabb, steps: &[f32; 3]) -> Self {
+        let forward = ray.inverse_direction.map(f32::is_sign_positive);
+        let plane = |k: usize, towards_max: bool| {
+            let relative = bounds.min[k] - ray.origin[k];
+            let widened = if towards_max {
+                relative + ray.margin[k]
+            } else {
+                relative - ray.margin[k]
+            };
+            widened * ray.inverse_direction[k]
+        };
+        Self {
+            rate: std::array::from_fn(|k| steps[k] * ray.inverse_direction[k]),
+            near: std::array::from_fn(|k| plane(k, !forward[k])),
+            far: std::array::from_fn(|k| plane(k, forward[k])),
+            forward,
+        }
+    }
+
+    /// Whether the ray may be inside the box within `range`. A NaN restricts nothing.
+    #[inline]
+    pub(crate) fn meets(&self, bounds: &ReferenceBoxRow, range: (f32, f32)) -> bool {
+        let (mut enter, mut exit) = range;
+        for k in 0..3 {
+            let (near, far) = if self.forward[k] {
+                (bounds.min[k], bounds.max[k])
+            } else {
+                (bounds.max[k], bounds.min[k])
+            };
+            let near = f32::from(near) * self.rate[k] + self.near[k];
+            let far = f32::from(far) * self.rate[k] + self.far[k];
+            enter = if near > enter { near } else { enter };
+            exit = if far < exit { far } else { exit };
+        }
+        enter <= exit
     }
 }
 

@@ -37,10 +37,10 @@ impl PosedTree {
         &self.tree.nodes
     }
 
-    /// Triangle rows in a leaf, by its range of references.
-    pub(crate) fn leaf(&self, references: std::ops::Range<usize>) -> impl Iterator<Item = u32> {
+    /// Triangle rows in a leaf, by its range of references, each with its box.
+    pub(crate) fn leaf(&self, references: std::ops::Range<usize>) -> impl Iterator<Item = (u32, &Aabb)> {
         self.tree.references[references]
             .iter()
-            .map(|place| self.triangles[*place as usize])
+            .map(|place| (self.triangles[*place as usize], &self.boxes[*place as usize]))
     }
 }

@@ -26,7 +26,9 @@ pub struct TraceCounters {
     pub steps: u64,
     /// Clusters entered.
     pub clusters_entered: u64,
-    /// Triangles posed and tested.
+    /// Boxes of single triangles tested, in leaves.
+    pub box_tests: u64,
+    /// Triangles posed and tested: those whose box the ray meets.
     pub triangle_tests: u64,
 }
 
@@ -35,6 +37,7 @@ impl std::ops::AddAssign for TraceCounters {
         self.rays += other.rays;
         self.steps += other.steps;
         self.clusters_entered += other.clusters_entered;
+        self.box_tests += other.box_tests;
         self.triangle_tests += other.triangle_tests;
     }
 }
@@ -44,6 +47,7 @@ pub(crate) trait Count {
     fn ray(&mut self) {}
     fn step(&mut self) {}
     fn cluster(&mut self) {}
+    fn fuzzy_box(&mut self) {}
     fn triangle(&mut self) {}
 }
 
@@ -58,6 +62,9 @@ impl Count for TraceCounters {
     }
     fn cluster(&mut self) {
         self.clusters_entered += 1;
+    }
+    fn fuzzy_box(&mut self) {
+        self.box_tests += 1;
     }
     fn triangle(&mut self) {
         self.triangle_tests += 1;

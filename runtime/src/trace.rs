@@ -10,7 +10,7 @@
 
 use crate::{
     Hit, InstanceId, Ray,
-    cluster_frame::{SlabRay, Way},
+    cluster_frame::{LatticeRay, SlabRay, Way},
     instance::{Active, Instance},
     scene::{Entry, Scene},
     stats::Count,
@@ -185,9 +185,13 @@ fn enter_cluster<const ANY: bool>(
     counters.cluster();
     let Entry { instance, slot } = scene.entries[id as usize];
     let state = &scene.instances[instance as usize];
-    let Active { row, cache, frame } = &state.clusters[slot as usize];
+    let Active {
+        row: number,
+        cache,
+        frame,
+    } = &state.clusters[slot as usize];
     let model = state.asset.model();
-    let row = &model.clusters[*row as usize];
+    let row = &model.clusters[*number as usize];
     let references = &model.references[row.reference_first as usize..][..row.reference_count as usize];
     let mut mailbox = Mailbox::EMPTY;
     let mut test = |triangle: u32, traveller: &mut Traveller, counters: &mut _| {
@@ -205,10 +209,16 @@ fn enter_cluster<const ANY: bool>(
                 return false;
             };
             let nodes = &model.kd_nodes[row.node_first as usize..][..row.node_count as usize];
+            let boxes = &model.reference_boxes[row.reference_first as usize..][..row.reference_count as usize];
+            let lattice = LatticeRay::new(&slab, &row.bounds_local, state.asset.box_steps(*number));
             let mut visit = |leaf: Range<usize>, traveller: &mut Traveller, counters: &mut _| {
-                references[leaf]
+                boxes[leaf.clone()]
                     .iter()
-                    .any(|triangle| test(*triangle, traveller, counters))
+                    .zip(&references[leaf])
+                    .any(|(bounds, triangle)| {
+                        Count::fuzzy_box(counters);
+                        lattice.meets(bounds, (start, traveller.limit)) && test(*triangle, traveller, counters)
+                    })
             };
             walk(nodes, &slab, range, traveller, stack, counters, &mut visit)
         }
@@ -219,7 +229,10 @@ fn enter_cluster<const ANY: bool>(
                 return false;
             };
             let mut visit = |leaf: Range<usize>, traveller: &mut Traveller, counters: &mut _| {
-                tree.leaf(leaf).any(|triangle| test(triangle, traveller, counters))
+                tree.leaf(leaf).any(|(triangle, bounds)| {
+                    Count::fuzzy_box(counters);
+                    slab.clip(bounds, (start, traveller.limit)).is_some() && test(triangle, traveller, counters)
+                })
             };
             walk(tree.nodes(), &slab, range, traveller, stack, counters, &mut visit)
         }

@@ -15,6 +15,7 @@ mod morphs;
 mod names;
 mod numbers;
 mod parts;
+mod reference_boxes;
 mod segments;
 mod skeleton;
 mod tiling;
@@ -44,6 +45,7 @@ pub(crate) fn model(view: &ModelView<'_>) -> Result<(), FormatError> {
     clusters::check(view)?;
     cluster_tracks::check(view)?;
     kd_trees::check(view)?;
+    reference_boxes::check(view)?;
     membership::check(view)
 }
 

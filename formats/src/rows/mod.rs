@@ -8,6 +8,7 @@ mod cluster;
 mod kd_node;
 mod morph;
 mod part;
+mod reference_box;
 mod skeleton;
 mod vertex;
 
@@ -17,6 +18,7 @@ pub use cluster::{ClusterBoneRow, ClusterRow};
 pub use kd_node::{KdNode, KdNodeRow, MAX_KD_DEPTH};
 pub use morph::{MorphDeltaRow, MorphSetRow, MorphTargetRow};
 pub use part::{MotionClass, PartRow, PrimitiveRow};
+pub use reference_box::{ReferenceBoxRow, box_steps};
 pub use skeleton::{BoneRow, Local, NodeRow, ROOT_BONE};
 pub use vertex::{InfluenceRow, TriangleRow, VertexRow, WEIGHT_STEP};
 

@@ -139,8 +139,14 @@ fn part_reports(
                     cache.segments.iter().map(|segment| segment.clusters).sum()
                 }),
                 fuzzy_box_area: own.iter().map(|carried| carried.fuzzy_box.surface_area()).sum::<f64>()
-                    + cache.iter().flat_map(|cache| &cache.segments).map(|segment| segment.fuzzy_box_area).sum::<f64>(),
-                rest_box_area: (row.triangle_first..row.triangle_first + row.triangle_count).map(rest_box).sum(),
+                    + cache
+                        .iter()
+                        .flat_map(|cache| &cache.segments)
+                        .map(|segment| segment.fuzzy_box_area)
+                        .sum::<f64>(),
+                rest_box_area: (row.triangle_first..row.triangle_first + row.triangle_count)
+                    .map(rest_box)
+                    .sum(),
                 cache,
             }
         })

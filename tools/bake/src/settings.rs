@@ -110,7 +110,10 @@ impl BakeSettings {
         let auto = "2^-16 of the diagonal".to_owned();
         let motion = &self.motion;
         for (name, value) in [
-            ("position_error", self.position_error.map_or(auto, |error| error.to_string())),
+            (
+                "position_error",
+                self.position_error.map_or(auto, |error| error.to_string()),
+            ),
             ("max_clusters", motion.max_clusters.to_string()),
             ("iteration_threshold", motion.iteration_threshold.to_string()),
             ("cluster_threshold", motion.cluster_threshold.to_string()),

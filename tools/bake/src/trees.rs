@@ -3,7 +3,7 @@ use rayon::prelude::*;
 use restpose_formats::{
     Model,
     geom::Aabb,
-    rows::{ClusterBoneRow, ClusterRow, NONE},
+    rows::{ClusterBoneRow, ClusterRow, NONE, ReferenceBoxRow},
 };
 use restpose_runtime::build::{KdBuilder, KdTree};
 
@@ -45,6 +45,10 @@ pub(crate) fn add_clusters(
         model
             .references
             .extend(tree.references.iter().map(|index| group[*index as usize].triangle));
+        let boxes = tree.references.iter();
+        model
+            .reference_boxes
+            .extend(boxes.map(|index| ReferenceBoxRow::around(&group[*index as usize].fuzzy_box, &tree.bounds)));
         model.cluster_bones.extend(cluster_bones);
     }
     row_count("tree nodes", model.kd_nodes.len())?;

@@ -38,7 +38,9 @@ pub(crate) fn weld<F: AsRef<[[f32; 3]]>>(frames: &[F]) -> Vec<u32> {
     };
     // Most vertices differ in the first frame already: the others are compared only where it ties.
     let lazy = |a: &u32, b: &u32| {
-        frames.first().map_or(std::cmp::Ordering::Equal, |frame| bits(frame, *a).cmp(&bits(frame, *b)))
+        frames
+            .first()
+            .map_or(std::cmp::Ordering::Equal, |frame| bits(frame, *a).cmp(&bits(frame, *b)))
     };
     order.sort_unstable_by(|a, b| lazy(a, b).then_with(|| compare(a, b)).then(a.cmp(b)));
     let mut out: Vec<u32> = vec![0; count];

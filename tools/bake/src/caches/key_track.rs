@@ -222,9 +222,16 @@ mod tests {
     fn random_map(random: &mut fastrand::Rng, angle: f64, stretch: f64) -> Affine {
         let mut signed = || random.f64() * 2.0 - 1.0;
         let axis = DVec3::new(signed(), signed(), signed()).normalize();
-        let scale = DVec3::new(1.0 + stretch * signed(), 1.0 + stretch * signed(), 1.0 + stretch * signed());
+        let scale = DVec3::new(
+            1.0 + stretch * signed(),
+            1.0 + stretch * signed(),
+            1.0 + stretch * signed(),
+        );
         let translation = DVec3::new(signed(), signed(), signed()) * 5.0;
-        affine(DMat3::from_axis_angle(axis, angle * signed()) * DMat3::from_diagonal(scale), translation)
+        affine(
+            DMat3::from_axis_angle(axis, angle * signed()) * DMat3::from_diagonal(scale),
+            translation,
+        )
     }
 
     fn map64(map: &Affine) -> (DMat3, DVec3) {
@@ -254,8 +261,11 @@ mod tests {
                     linear * *p + translation
                 })
                 .collect();
-            let positions: Vec<[f64; 3]> =
-                world.iter().enumerate().map(|(key, v)| track.local(key, v.to_array())).collect();
+            let positions: Vec<[f64; 3]> = world
+                .iter()
+                .enumerate()
+                .map(|(key, v)| track.local(key, v.to_array()))
+                .collect();
             let bounds = track.fuzzy_box(&positions).rounded_outwards(track.error(20.0));
             for key in (0..2).filter(|key| !track.is_cut(*key)) {
                 tight += 1;
@@ -265,8 +275,8 @@ mod tests {
                     let (linear, translation) = (a * (1.0 - s) + c * s, b * (1.0 - s) + d * s);
                     let v = world[key] * (1.0 - s) + world[key + 1] * s;
                     let fuzzy = linear.inverse() * (v - translation);
-                    let inside = (0..3)
-                        .all(|k| f64::from(bounds.min[k]) <= fuzzy[k] && fuzzy[k] <= f64::from(bounds.max[k]));
+                    let inside =
+                        (0..3).all(|k| f64::from(bounds.min[k]) <= fuzzy[k] && fuzzy[k] <= f64::from(bounds.max[k]));
                     assert!(inside, "round {round} key {key} s {s}: {fuzzy} outside {bounds:?}");
                 }
             }
@@ -276,7 +286,12 @@ mod tests {
 
     #[test]
     fn rigid_motion_has_no_fuzz_between_keys() {
-        let turn = |degrees: f64| affine(DMat3::from_rotation_y(degrees.to_radians()), DVec3::new(degrees, 0.0, 1.0));
+        let turn = |degrees: f64| {
+            affine(
+                DMat3::from_rotation_y(degrees.to_radians()),
+                DVec3::new(degrees, 0.0, 1.0),
+            )
+        };
         let track = KeyTrack::new(&[turn(0.0), turn(120.0), turn(60.0)]);
         let point = [1.0, 2.0, 3.0];
         let size = track.fuzzy_box(&[point; 3]).surface_area();

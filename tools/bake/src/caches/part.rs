@@ -9,8 +9,8 @@ use crate::{
     BakeError, BakeSettings, Progress,
     cost::{FUZZY_TREE, expected_cost, is_free},
     import::Animation,
-    motion::keyframed::{DecomposeSettings, TrackKind},
     motion::Classified,
+    motion::keyframed::{DecomposeSettings, TrackKind},
 };
 use restpose_formats::{
     Model,
@@ -40,7 +40,15 @@ pub(crate) fn add_caches(
     for (part, class) in classes.iter_mut().enumerate() {
         out.push(match model.parts[part].cache {
             NONE => None,
-            cache => Some(add_cache(model, animation, part, cache as usize, class, settings, progress)?),
+            cache => Some(add_cache(
+                model,
+                animation,
+                part,
+                cache as usize,
+                class,
+                settings,
+                progress,
+            )?),
         });
     }
     rows::close_words(model)?;
@@ -63,7 +71,9 @@ fn add_cache(
         rows::add_free(model, cache, &keys.frames, keys.weld.len(), &triangles)?;
         return Ok(CacheReport::without_clusters(keys.frames.len()));
     }
-    let budget = settings.position_error.unwrap_or_else(|| diagonal(&keys) * DEFAULT_POSITION_ERROR);
+    let budget = settings
+        .position_error
+        .unwrap_or_else(|| diagonal(&keys) * DEFAULT_POSITION_ERROR);
     let decompose = DecomposeSettings {
         rigid_tolerance: budget,
         ..settings.motion.clone()
@@ -78,7 +88,11 @@ fn add_cache(
         (MotionClass::Rigid, "one map moves all of it".to_owned())
     } else {
         let free = is_free(whole.cost, rebuilt, triangles.len(), settings.rays_per_frame);
-        let class = if free { MotionClass::Free } else { MotionClass::Keyframed };
+        let class = if free {
+            MotionClass::Free
+        } else {
+            MotionClass::Keyframed
+        };
         (class, counts.text())
     };
     class.decide(part_name(animation, part), found, |asked| {
@@ -105,7 +119,11 @@ fn add_cache(
         rest_key = segments[0].rest_key;
         let intervals = |segment: &Segment| (segment.keys.end() - segment.keys.start()).max(1) as f64;
         let all: f64 = segments.iter().map(intervals).sum();
-        report.expected_cost = segments.iter().map(|segment| segment.cost * intervals(segment)).sum::<f64>() / all;
+        report.expected_cost = segments
+            .iter()
+            .map(|segment| segment.cost * intervals(segment))
+            .sum::<f64>()
+            / all;
         report.position_error = segments.iter().map(|segment| segment.stored.error).fold(0.0, f64::max);
         report.bytes = segments.iter().map(Segment::byte_count).sum();
         let position_bytes: usize = segments
@@ -132,7 +150,10 @@ fn part_name(animation: &Animation, part: usize) -> &str {
 fn part_keys(animation: &Animation, part: usize) -> PartKeys<'_> {
     let source = &animation.parts[part];
     let primitives = &animation.meshes[source.mesh].primitives;
-    let points: Vec<u32> = primitives.iter().flat_map(|primitive| primitive.points.iter().copied()).collect();
+    let points: Vec<u32> = primitives
+        .iter()
+        .flat_map(|primitive| primitive.points.iter().copied())
+        .collect();
     let cache = source.cache.map(|cache| &animation.caches[cache]);
     let in_order = cache.is_some_and(|cache| points.iter().copied().eq(0..cache.point_count as u32));
     let frames: Vec<Cow<[[f32; 3]]>> = cache
@@ -181,7 +202,9 @@ fn triangles_with_area(model: &mut Model, part: usize, keys: &mut PartKeys) -> V
 fn diagonal(keys: &PartKeys) -> f64 {
     keys.frames.iter().fold(0.0, |longest, frame| {
         let bounds = Aabb::around(frame.iter().copied());
-        let square: f64 = (0..3).map(|k| (f64::from(bounds.max[k]) - f64::from(bounds.min[k])).powi(2)).sum();
+        let square: f64 = (0..3)
+            .map(|k| (f64::from(bounds.max[k]) - f64::from(bounds.min[k])).powi(2))
+            .sum();
         f64::max(longest, square.sqrt())
     })
 }
@@ -240,7 +263,10 @@ impl KindCounts {
             out.push(format!("{} triangles never move", self.static_triangles));
         }
         if self.rigid > 0 {
-            out.push(format!("{} rigid clusters of {} triangles", self.rigid, self.rigid_triangles));
+            out.push(format!(
+                "{} rigid clusters of {} triangles",
+                self.rigid, self.rigid_triangles
+            ));
         }
         if self.coherent > 0 {
             out.push(format!(

@@ -72,7 +72,9 @@ impl SegmentReport {
     pub(super) fn new(segment: &Segment) -> Self {
         let keys = &segment.keys;
         let cut = |cluster: &super::segment::SegmentCluster| {
-            (0..cluster.key_bounds.len()).filter(|key| cluster.track.is_cut(*key)).count() as u64
+            (0..cluster.key_bounds.len())
+                .filter(|key| cluster.track.is_cut(*key))
+                .count() as u64
         };
         Self {
             key_first: *keys.start() as u64,

@@ -4,7 +4,8 @@ use restpose_formats::{
     Model,
     geom::Aabb,
     rows::{
-        CacheRow, ClusterBoneRow, ClusterRow, KdNode, KdNodeRow, KeyRow, KeyVertexRow, NONE, SegmentRow, TrackRow,
+        CacheRow, ClusterBoneRow, ClusterRow, KdNode, KdNodeRow, KeyRow, KeyVertexRow, NONE, ReferenceBoxRow,
+        SegmentRow, TrackRow,
     },
 };
 
@@ -50,7 +51,9 @@ fn add_segment(model: &mut Model, cache: usize, segment: &Segment, triangles: &[
         model.tracks.push(TrackRow {
             key_first: row_count("keys", model.keys.len())?,
             origin: [0.0; 3],
-            step: Some(segment.stored.steps[index as usize]).filter(|step| *step > 0.0).unwrap_or(1.0),
+            step: Some(segment.stored.steps[index as usize])
+                .filter(|step| *step > 0.0)
+                .unwrap_or(1.0),
             reserved: [0; 3],
         });
         for (key, (map, bounds)) in cluster.track.maps().iter().zip(&cluster.key_bounds).enumerate() {
@@ -78,6 +81,10 @@ fn add_segment(model: &mut Model, cache: usize, segment: &Segment, triangles: &[
         model.clusters.push(row);
         model.cluster_bones.extend(bones);
         model.kd_nodes.extend_from_slice(&cluster.tree.nodes);
+        let boxes = cluster.tree.references.iter();
+        model
+            .reference_boxes
+            .extend(boxes.map(|place| ReferenceBoxRow::around(&cluster.boxes[*place as usize], &cluster.tree.bounds)));
         let triangle = |place: &u32| triangles[cluster.triangles[*place as usize] as usize];
         model.references.extend(cluster.tree.references.iter().map(triangle));
     }
@@ -94,13 +101,19 @@ fn add_positions(model: &mut Model, segment: &Segment, track_first: u32) -> Resu
     let word_first = row_count("key words", model.key_words.len())?;
     row_count("key words", model.key_words.len() + segment.stored.words.len())?;
     let key_count = segment.keys.end() - segment.keys.start() + 1;
-    let extents = segment.stored.rows.iter().map(|row| stored_extent(row, &segment.stored.words, key_count));
+    let extents = segment
+        .stored
+        .rows
+        .iter()
+        .map(|row| stored_extent(row, &segment.stored.words, key_count));
     let extents = extents.collect();
-    model.key_vertices.extend(segment.stored.rows.iter().map(|row| KeyVertexRow {
-        track: track_first + row.track,
-        word_first: word_first + row.word_first,
-        ..*row
-    }));
+    model
+        .key_vertices
+        .extend(segment.stored.rows.iter().map(|row| KeyVertexRow {
+            track: track_first + row.track,
+            word_first: word_first + row.word_first,
+            ..*row
+        }));
     row_count("key vertices", model.key_vertices.len())?;
     model.key_words.extend_from_slice(&segment.stored.words);
     Ok(extents)
@@ -185,7 +198,10 @@ pub(super) fn add_free<F: AsRef<[[f32; 3]]>>(
         for corner in model.triangles[*triangle as usize].corners {
             let row = &model.key_vertices[model.key_vertices.len() - vertex_count..]
                 [(corner - model.parts[model.caches[cache].part as usize].vertex_first) as usize];
-            for point in model.key_words[row.word_first as usize..][..3 * frames.len()].as_chunks::<3>().0 {
+            for point in model.key_words[row.word_first as usize..][..3 * frames.len()]
+                .as_chunks::<3>()
+                .0
+            {
                 let point = point.map(f32::from_bits);
                 bounds = bounds.with_point(point);
                 extent = std::array::from_fn(|k| extent[k].max(point[k].abs()));
@@ -211,6 +227,9 @@ pub(super) fn add_free<F: AsRef<[[f32; 3]]>>(
     });
     model.kd_nodes.push(KdNodeRow::pack(KdNode::Leaf { first: 0, count }));
     model.references.extend_from_slice(triangles);
+    model
+        .reference_boxes
+        .resize(model.references.len(), ReferenceBoxRow::default());
     model.cluster_bones.push(ClusterBoneRow { bone: track, extent });
     row_count("tree nodes", model.kd_nodes.len())?;
     row_count("triangle references", model.references.len())?;

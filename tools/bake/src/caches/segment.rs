@@ -6,8 +6,8 @@ use super::{
 use crate::{
     BakeError, Progress,
     bounds::FuzzyBox,
-    motion::keyframed::{DecomposeReport, DecomposeSettings, Decomposition, KeyFrames, TrackKind, decompose_keys},
     cost::{FUZZY_TREE, expected_cost},
+    motion::keyframed::{DecomposeReport, DecomposeSettings, Decomposition, KeyFrames, TrackKind, decompose_keys},
 };
 use rayon::prelude::*;
 use restpose_formats::geom::Aabb;
@@ -116,7 +116,9 @@ impl Segment {
                 vertices: bounded.vertices,
             })
             .collect();
-        let entered = clusters.iter().map(|cluster| (&cluster.tree, cluster.key_bounds.as_slice()));
+        let entered = clusters
+            .iter()
+            .map(|cluster| (&cluster.tree, cluster.key_bounds.as_slice()));
         let cost = expected_cost(entered);
         Ok(Self {
             rest_key: keys.start() + rest_key,
@@ -136,7 +138,9 @@ impl Segment {
 
     /// Bytes of its rows in the file.
     pub(crate) fn byte_count(&self) -> u64 {
-        use restpose_formats::rows::{ClusterBoneRow, ClusterRow, KdNodeRow, KeyRow, KeyVertexRow, SegmentRow, TrackRow};
+        use restpose_formats::rows::{
+            ClusterBoneRow, ClusterRow, KdNodeRow, KeyRow, KeyVertexRow, ReferenceBoxRow, SegmentRow, TrackRow,
+        };
         let keys = self.keys.end() - self.keys.start() + 1;
         let per_cluster = size_of::<ClusterRow>() + size_of::<TrackRow>() + keys * size_of::<KeyRow>();
         let trees: usize = self
@@ -144,7 +148,7 @@ impl Segment {
             .iter()
             .map(|cluster| {
                 cluster.tree.nodes.len() * size_of::<KdNodeRow>()
-                    + cluster.tree.references.len() * size_of::<u32>()
+                    + cluster.tree.references.len() * (size_of::<u32>() + size_of::<ReferenceBoxRow>())
                     + size_of::<ClusterBoneRow>()
             })
             .sum();
@@ -193,7 +197,10 @@ impl Bounded {
         let mut at_keys = vec![FuzzyBox::EMPTY; key_count];
         for (boxes, keys) in chunks {
             fuzzy.extend(boxes);
-            at_keys.iter_mut().zip(keys).for_each(|(all, more)| *all = all.union(more));
+            at_keys
+                .iter_mut()
+                .zip(keys)
+                .for_each(|(all, more)| *all = all.union(more));
         }
         let error = track.error(stored.reach);
         let decoding = stored.reach * POSITION_ROUNDING;

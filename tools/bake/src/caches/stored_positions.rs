@@ -145,7 +145,9 @@ fn greatest_stretch(linear: glam::DMat3) -> f64 {
     power *= 1.0 / scale;
     let power = power * power;
     let power = power * power;
-    let rows = power.to_cols_array_2d().map(|row| row.iter().map(|x| x.abs()).sum::<f64>());
+    let rows = power
+        .to_cols_array_2d()
+        .map(|row| row.iter().map(|x| x.abs()).sum::<f64>());
     // Eighth root of a bound of σ⁸.
     (rows.into_iter().fold(0.0, f64::max).sqrt().sqrt() * scale).sqrt()
 }
@@ -153,7 +155,9 @@ fn greatest_stretch(linear: glam::DMat3) -> f64 {
 /// A vertex whose positions are the source's. `track` is the one without keys.
 fn as_it_is(track: u32, positions: impl Iterator<Item = [f32; 3]>) -> Encoded {
     let words: Vec<u32> = positions.flatten().map(f32::to_bits).collect();
-    let reach = words.iter().fold(0.0f64, |far, word| far.max(f64::from(f32::from_bits(*word).abs())));
+    let reach = words
+        .iter()
+        .fold(0.0f64, |far, word| far.max(f64::from(f32::from_bits(*word).abs())));
     let row = KeyVertexRow {
         base: [0; 3],
         track,
@@ -306,7 +310,12 @@ mod tests {
     fn finer_budgets_take_more_words_and_no_budget_is_exact() {
         let (frames, tracks) = (frames(20, 10), tracks(20));
         let homes = vec![Home::Cluster(0); 10];
-        let words = |budget| StoredPositions::new(&frames, &tracks, &homes, budget).unwrap().words.len();
+        let words = |budget| {
+            StoredPositions::new(&frames, &tracks, &homes, budget)
+                .unwrap()
+                .words
+                .len()
+        };
         assert!(words(1e-1) < words(1e-3) && words(1e-3) < words(0.0));
         let exact = StoredPositions::new(&frames, &tracks, &homes, 0.0).unwrap();
         assert_eq!((exact.words.len(), exact.error), (20 * 10 * 3, 0.0));
@@ -316,7 +325,10 @@ mod tests {
     #[test]
     fn what_no_lattice_reaches_is_stored_as_it_is() {
         let tracks = tracks(2);
-        let frames = [vec![[1e20f32, 0.0, 0.0], [1.0, 2.0, 3.0]], vec![[0.0; 3], [1.0, 2.0, 3.5]]];
+        let frames = [
+            vec![[1e20f32, 0.0, 0.0], [1.0, 2.0, 3.0]],
+            vec![[0.0; 3], [1.0, 2.0, 3.5]],
+        ];
         let stored = StoredPositions::new(&frames, &tracks, &[Home::Cluster(0); 2], 1e-4).unwrap();
         assert_eq!((stored.rows[0].raw, stored.rows[1].raw), (1, 0));
         assert_eq!(stored.position(&tracks, 0, 0)[0], f64::from(1e20f32));

@@ -19,7 +19,10 @@ pub(crate) fn sample_rows(model: &Model, settings: &BakeSettings) -> Result<Vec<
     for (clip, row) in model.clips.iter().enumerate() {
         let all = &model.channels[row.channel_first as usize..][..row.channel_count as usize];
         // Boxes of vertex caches hold between keys without samples.
-        let channels: Vec<&ChannelRow> = all.iter().filter(|channel| channel.path != Path::Frame as u32).collect();
+        let channels: Vec<&ChannelRow> = all
+            .iter()
+            .filter(|channel| channel.path != Path::Frame as u32)
+            .collect();
         if channels.is_empty() {
             continue;
         }
