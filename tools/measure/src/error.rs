@@ -1,3 +1,4 @@
+use crate::Place;
 use restpose_bake::BakeError;
 use restpose_formats::FormatError;
 use restpose_runtime::{Hit, PoseError, Ray};
@@ -25,6 +26,12 @@ pub enum MeasureError {
         subdivisions: u32,
         /// Most triangles that are measured.
         limit: u64,
+    },
+    /// Nothing moves.
+    #[error("{source_name} has no clip, so no motion can be measured: give an animated source")]
+    NoClip {
+        /// File name of the source.
+        source_name: String,
     },
     /// Threads could not be started.
     #[error("{threads} threads cannot be started: {source}")]
@@ -58,17 +65,29 @@ pub enum MeasureError {
     WrongHit(#[from] Box<WrongHit>),
 }
 
+impl MeasureError {
+    /// Refuses a setting that is not in `from..=to`.
+    pub(crate) fn check_setting(
+        name: &'static str,
+        found: u64,
+        from: u64,
+        to: u64,
+        expected: &'static str,
+    ) -> Result<(), Self> {
+        if (from..=to).contains(&found) {
+            Ok(())
+        } else {
+            Err(Self::Setting { name, found, expected })
+        }
+    }
+}
+
 /// A ray whose hit is not the same in two ways of tracing it.
 #[derive(Clone, Debug, thiserror::Error)]
-#[error(
-    "subdivided {subdivisions} times, sample {sample}: {traced} finds {found:?} and {reference} {expected:?} for \
-     {ray:?}; please report this"
-)]
+#[error("{place}: {traced} finds {found:?} and {reference} {expected:?} for {ray:?}; please report this")]
 pub struct WrongHit {
-    /// Subdivisions.
-    pub subdivisions: u32,
-    /// Row of the sample section.
-    pub sample: usize,
+    /// Pose that was traced.
+    pub place: Place,
     /// Ray.
     pub ray: Ray,
     /// What was traced.

@@ -1,8 +1,23 @@
 //! Measurements of baked assets: tables and plots of numbers that a run produced. Nothing here prints.
 
+mod checked_rays;
+mod clock;
 mod error;
 pub mod frame;
+pub mod motion;
+mod page;
+mod peak_memory;
+mod place;
 mod plot;
+mod posed_rays;
+mod ray_cost;
+mod ray_sums;
+mod spread;
+mod static_twin;
 mod statistics;
+mod thread_pools;
+mod view;
 
 pub use error::{MeasureError, WrongHit};
+pub use place::Place;
+pub use ray_cost::{RayCost, TreeCost};

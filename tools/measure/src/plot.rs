@@ -1,4 +1,4 @@
-//! Line plots as SVG, both axes logarithmic: what is compared spans decades.
+//! Line plots as SVG.
 
 use std::fmt::Write;
 
@@ -17,7 +17,7 @@ pub(crate) struct Series {
     /// CSS colour.
     pub colour: &'static str,
     pub dashed: bool,
-    /// Both above zero; others are left out.
+    /// Points that an axis cannot show are left out.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -26,11 +26,29 @@ pub(crate) struct Plot {
     pub title: String,
     pub x_label: &'static str,
     pub y_label: &'static str,
+    /// Of x and y.
+    pub scales: [Scale; 2],
     pub series: Vec<Series>,
 }
 
-/// A logarithmic axis: values from the first tick to the last run from `from` to `to` on the page.
+/// How values are laid out along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Scale {
+    /// From zero; shows values that are not negative.
+    Linear,
+    /// Shows values above zero.
+    Logarithmic,
+}
+
+impl Scale {
+    fn shows(self, value: f64) -> bool {
+        value.is_finite() && (value > 0.0 || self == Self::Linear && value == 0.0)
+    }
+}
+
+/// An axis: values from the first tick to the last run from `from` to `to` on the page.
 struct Axis {
+    scale: Scale,
     /// At least two, ascending.
     ticks: Vec<f64>,
     from: f64,
@@ -38,7 +56,32 @@ struct Axis {
 }
 
 impl Axis {
-    /// From the last tick that is not above `values` to the first that is not below them: 1, 2 and 5 of every decade,
+    fn new(scale: Scale, values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
+        match scale {
+            Scale::Linear => Self::from_zero(values, from, to),
+            Scale::Logarithmic => Self::around(values, from, to),
+        }
+    }
+
+    /// From zero to the first tick that is not below `values`: multiples of 1, 2 or 5 times a power of ten, as many as
+    /// there is room for.
+    fn from_zero(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
+        let greatest = values.fold(0.0, f64::max);
+        let greatest = if greatest > 0.0 { greatest } else { 1.0 };
+        let mut steps = (-330..=308).flat_map(|e| [1.0, 2.0, 5.0].map(|m| m * 10f64.powi(e)));
+        let step = steps
+            .find(|step| greatest / step <= (MOST_TICKS - 1) as f64)
+            .unwrap_or(greatest);
+        let last = (greatest / step).ceil() as usize;
+        Self {
+            scale: Scale::Linear,
+            ticks: (0..=last).map(|count| count as f64 * step).collect(),
+            from,
+            to,
+        }
+    }
+
+    /// Logarithmic, from the last tick that is not above `values` to the first that is not below them: 1, 2 and 5 of every decade,
     /// or only 1 where they would be too many.
     fn around(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
         let (least, greatest) = values.fold((f64::INFINITY, 0.0), |(a, b), x| (x.min(a), x.max(b)));
@@ -56,14 +99,23 @@ impl Axis {
         };
         let fine = around(&[1.0, 2.0, 5.0]);
         let ticks = if fine.len() <= MOST_TICKS { fine } else { around(&[1.0]) };
-        Self { ticks, from, to }
+        Self {
+            scale: Scale::Logarithmic,
+            ticks,
+            from,
+            to,
+        }
     }
 
     fn place(&self, value: f64) -> f64 {
         let [low, .., high] = self.ticks.as_slice() else {
             return self.from;
         };
-        self.from + (value / low).ln() / (high / low).ln() * (self.to - self.from)
+        let share = match self.scale {
+            Scale::Linear => (value - low) / (high - low),
+            Scale::Logarithmic => (value / low).ln() / (high / low).ln(),
+        };
+        self.from + share * (self.to - self.from)
     }
 }
 
@@ -71,9 +123,9 @@ impl Plot {
     /// The plot as an `<svg>` element.
     pub(crate) fn svg(&self) -> String {
         let [left, top, right, bottom] = MARGIN;
-        let points = || self.series.iter().flat_map(|series| series.shown());
-        let x = Axis::around(points().map(|(x, _)| x), left, WIDTH - right);
-        let y = Axis::around(points().map(|(_, y)| y), HEIGHT - bottom, top);
+        let points = || self.series.iter().flat_map(|series| series.shown(self.scales));
+        let x = Axis::new(self.scales[0], points().map(|(x, _)| x), left, WIDTH - right);
+        let y = Axis::new(self.scales[1], points().map(|(_, y)| y), HEIGHT - bottom, top);
         let mut out = format!(
             "<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{}\">\n",
             escape(&self.title)
@@ -96,7 +148,7 @@ impl Plot {
         add(text((x.from + x.to) / 2.0, HEIGHT - 12.0, "tick middle", self.x_label));
         add(text(4.0, top - 18.0, "tick", self.y_label));
         for series in &self.series {
-            add(series.line(&x, &y));
+            add(series.line(self.scales, &x, &y));
         }
         for (series, at) in self.series.iter().zip(self.name_places(&y)) {
             let style = format!("name\" fill=\"{}", series.colour);
@@ -108,7 +160,12 @@ impl Plot {
 
     /// Where each name stands: beside its line's end, moved up where it would cover another one or a tick.
     fn name_places(&self, y: &Axis) -> Vec<f64> {
-        let end = |series: &Series| series.shown().last().map_or(y.from, |(_, value)| y.place(value));
+        let end = |series: &Series| {
+            series
+                .shown(self.scales)
+                .last()
+                .map_or(y.from, |(_, value)| y.place(value))
+        };
         let mut places: Vec<(usize, f64)> = self.series.iter().map(end).enumerate().collect();
         places.sort_by(|a, b| b.1.total_cmp(&a.1));
         let mut free = y.from - NAME_SPACING / 2.0;
@@ -122,13 +179,13 @@ impl Plot {
 }
 
 impl Series {
-    fn shown(&self) -> impl Iterator<Item = (f64, f64)> {
-        let usable = |(x, y): &(f64, f64)| x.is_finite() && y.is_finite() && *x > 0.0 && *y > 0.0;
-        self.points.iter().copied().filter(usable)
+    fn shown(&self, [x, y]: [Scale; 2]) -> impl Iterator<Item = (f64, f64)> {
+        let points = self.points.iter().copied();
+        points.filter(move |(a, b)| x.shows(*a) && y.shows(*b))
     }
 
-    fn line(&self, x: &Axis, y: &Axis) -> String {
-        let at: Vec<(f64, f64)> = self.shown().map(|(a, b)| (x.place(a), y.place(b))).collect();
+    fn line(&self, scales: [Scale; 2], x: &Axis, y: &Axis) -> String {
+        let at: Vec<(f64, f64)> = self.shown(scales).map(|(a, b)| (x.place(a), y.place(b))).collect();
         let path: Vec<String> = at.iter().map(|(a, b)| format!("{a:.1},{b:.1}")).collect();
         let dash = if self.dashed { " stroke-dasharray=\"5 4\"" } else { "" };
         let colour = self.colour;
@@ -208,11 +265,25 @@ mod tests {
     }
 
     #[test]
+    fn linear_axes_begin_at_zero() {
+        let axis = |values: &[f64]| Axis::new(Scale::Linear, values.iter().copied(), 0.0, 100.0);
+        assert_eq!(axis(&[3.0, 25.0]).ticks, [0.0, 5.0, 10.0, 15.0, 20.0, 25.0]);
+        assert_eq!(axis(&[399.0]).ticks.len(), 9);
+        assert_eq!(axis(&[0.0]).ticks.last(), Some(&1.0));
+        assert_eq!(axis(&[25.0]).place(10.0), 40.0);
+        for extreme in [1e-300, 1e300] {
+            assert!(axis(&[extreme]).place(extreme).is_finite());
+        }
+        assert!(Scale::Linear.shows(0.0) && !Scale::Logarithmic.shows(0.0) && !Scale::Linear.shows(-1.0));
+    }
+
+    #[test]
     fn unusable_points_are_left_out() {
         let plot = Plot {
             title: "t".into(),
             x_label: "x",
             y_label: "y",
+            scales: [Scale::Logarithmic; 2],
             series: vec![series(&[(1.0, f64::NAN), (0.0, 1.0), (2.0, 3.0), (4.0, f64::INFINITY)])],
         };
         let svg = plot.svg();
@@ -227,6 +298,7 @@ mod tests {
             title: String::new(),
             x_label: "",
             y_label: "",
+            scales: [Scale::Logarithmic; 2],
             series: (0..4)
                 .map(|i| series(&[(1.0, 1.0), (2.0, 5.0 + f64::from(i) * 0.01)]))
                 .collect(),

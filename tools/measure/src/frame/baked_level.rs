@@ -1,9 +1,8 @@
-use super::clock::pose;
 use crate::MeasureError;
 use rayon::ThreadPool;
 use restpose_bake::{BakeReport, BakeSettings, NoProgress, bake, import::Animation, subdivide::subdivide};
 use restpose_formats::write;
-use restpose_runtime::{Aabb, Asset, Scene};
+use restpose_runtime::Asset;
 use std::{sync::Arc, time::Instant};
 
 /// One tessellation, baked in every pool.
@@ -51,22 +50,5 @@ impl BakedLevel {
             file_bytes: bytes.len() as u64,
             seconds,
         })
-    }
-
-    /// The box around all vertices in some samples.
-    pub(super) fn posed_bounds(&self, samples: &[usize]) -> Result<Aabb, MeasureError> {
-        let model = self.asset.model();
-        let mut scene = Scene::new();
-        let instance = scene.add(&self.asset);
-        let mut bounds = Aabb::EMPTY;
-        for sample in samples {
-            pose(&mut scene, instance, &model.samples[*sample])?;
-            let frame = scene.commit();
-            let corners = model.triangles.iter().flat_map(|row| row.corners);
-            bounds = bounds.union(Aabb::around(
-                corners.filter_map(|vertex| frame.vertex(instance, vertex)),
-            ));
-        }
-        Ok(bounds)
     }
 }

@@ -5,26 +5,26 @@
 //! static kd-tree of each frame). Differs: one mesh at several tessellations, single rays, hits and misses together.
 
 mod baked_level;
-mod checked_rays;
-mod clock;
 mod frame_sums;
 mod page;
 mod report;
 mod settings;
-mod static_twin;
-mod view;
 
 pub use page::page;
-pub use report::{COLUMNS, FrameReport, FrameRow, LEGEND, RayCost, TreeCost};
+pub use report::{COLUMNS, FrameReport, FrameRow, LEGEND};
 pub use settings::FrameSettings;
 
-use crate::MeasureError;
+use crate::{
+    MeasureError, Place,
+    posed_rays::{PosedRays, RaySettings},
+    spread::spread,
+    thread_pools::thread_pools,
+    view::View,
+};
 use baked_level::BakedLevel;
-use checked_rays::Place;
 use frame_sums::FrameSums;
-use rayon::{ThreadPool, ThreadPoolBuilder};
 use restpose_bake::{Progress, import::Animation};
-use view::View;
+use restpose_formats::rows::SampleRow;
 
 /// Bakes the animation at several tessellations and measures frame updates and rays on several numbers of threads.
 ///
@@ -41,7 +41,7 @@ pub fn measure_frame(
     progress: &dyn Progress,
 ) -> Result<FrameReport, MeasureError> {
     settings.check(animation)?;
-    let pools = pools(&settings.threads)?;
+    let pools = thread_pools(&settings.threads)?;
     let weight = |subdivisions: u32| 1u64 << (2 * subdivisions);
     let total: u64 = (0..=settings.subdivide_max).map(weight).sum();
     progress.stage("measure", total * (settings.frames as u64 + 1));
@@ -50,14 +50,27 @@ pub fn measure_frame(
     for subdivisions in 0..=settings.subdivide_max {
         let baked = BakedLevel::new(animation, subdivisions, &pools)?;
         progress.advance(weight(subdivisions));
-        let samples = spread(settings.frames, baked.asset.model().samples.len());
+        let all = baked.asset.model().samples;
+        let samples = spread(settings.frames, all.len());
         let view = match &view {
             Some(view) => view,
-            None => view.insert(View::of(&baked.posed_bounds(&samples)?)),
+            None => {
+                let poses: Vec<SampleRow> = samples.iter().map(|sample| all[*sample]).collect();
+                view.insert(View::of_poses(&baked.asset, &poses)?)
+            }
+        };
+        let rays = RaySettings {
+            view,
+            picture_side: settings.picture_side,
+            random_rays: settings.random_rays,
+            repeats: settings.repeats,
+            seed: settings.seed,
+            pools: &pools,
         };
         let mut sums = FrameSums::default();
         for sample in samples {
-            sums.add(&baked.asset, Place { subdivisions, sample }, view, settings, &pools)?;
+            let place = Place::Sample { subdivisions, sample };
+            sums.add(&PosedRays::measure(&baked.asset, &all[sample], place, &rays)?);
             progress.advance(weight(subdivisions));
         }
         for (index, pool) in pools.iter().enumerate() {
@@ -70,34 +83,4 @@ pub fn measure_frame(
         settings: settings.clone(),
         rows,
     })
-}
-
-/// Up to `count` of the indices below `length`, in the middles of equal shares.
-fn spread(count: usize, length: usize) -> Vec<usize> {
-    let count = count.min(length);
-    (0..count).map(|i| (2 * i + 1) * length / (2 * count)).collect()
-}
-
-fn pools(threads: &[usize]) -> Result<Vec<ThreadPool>, MeasureError> {
-    let pool = |threads: &usize| {
-        let pool = ThreadPoolBuilder::new().num_threads(*threads).build();
-        pool.map_err(|source| MeasureError::Threads {
-            threads: *threads,
-            source,
-        })
-    };
-    threads.iter().map(pool).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn frames_are_spread_over_all_samples() {
-        assert_eq!(spread(4, 100), [12, 37, 62, 87]);
-        assert_eq!(spread(1, 1), [0]);
-        assert_eq!(spread(5, 2), [0, 1]);
-        assert_eq!(spread(3, 0), [0usize; 0]);
-    }
 }

@@ -1,46 +1,26 @@
 use super::{COLUMNS, FrameReport, FrameRow, LEGEND};
-use crate::plot::{Plot, Series, escape};
-
-/// Colours that remain apart for colour-blind eyes (Okabe and Ito).
-const OURS: &str = "#0072b2";
-const STATIC: &str = "#d55e00";
-
-const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#222}\
-h1{font-size:1.4rem}table{border-collapse:collapse;font-variant-numeric:tabular-nums}\
-th,td{padding:.2rem .6rem;text-align:right;border-bottom:1px solid #ddd}th{font-weight:600}\
-.plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(26rem,1fr));gap:1.5rem;margin-top:2rem}\
-.wide{overflow-x:auto}svg{width:100%;font-size:13px}.title{font-weight:600}.title,.tick{fill:#444}\
-.end{text-anchor:end}.middle{text-anchor:middle}.grid{stroke:#e4e4e4}polyline{fill:none;stroke-width:2}";
+use crate::{
+    page::{OURS, STATIC, document, table},
+    plot::{Plot, Scale, Series, escape},
+};
 
 /// The report as one HTML page without scripts: its rows, and plots against the number of triangles.
 #[must_use]
 pub fn page(report: &FrameReport) -> String {
-    let source = escape(&report.source);
     let settings = &report.settings;
-    let head: String = COLUMNS.map(|title| format!("<th>{title}</th>")).concat();
-    let row = |row: &FrameRow| {
-        format!(
-            "<tr>{}</tr>\n",
-            row.cells().map(|cell| format!("<td>{cell}</td>")).concat()
-        )
-    };
-    let rows: String = report.rows.iter().map(row).collect();
-    let plots: String = plots(report).iter().map(Plot::svg).collect();
-    format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width\">\n\
-         <title>Cost of a frame: {source}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n\
-         <h1>Cost of a frame: {source}</h1>\n<p>{LEGEND}.</p>\n\
-         <p>{frames} frames, {side} × {side} camera rays and {random} random rays each, medians of {repeats}; \
-         {updates} updates.</p>\n\
-         <div class=\"wide\"><table>\n<tr>{head}</tr>\n{rows}</table></div>\n\
-         <div class=\"plots\">\n{plots}</div>\n</body>\n</html>\n",
+    let mut body = format!(
+        "<p>{LEGEND}.</p>\n<p>{frames} frames, {side} × {side} camera rays and {random} random rays each, medians of \
+         {repeats}; {updates} updates.</p>\n",
         frames = settings.frames,
         side = settings.picture_side,
         random = settings.random_rays,
         repeats = settings.repeats,
         updates = settings.updates,
-    )
+    );
+    body += &table(&COLUMNS, report.rows.iter().map(|row| row.cells().to_vec()));
+    let plots: String = plots(report).iter().map(Plot::svg).collect();
+    body += &format!("<div class=\"plots\">\n{plots}</div>\n");
+    document(&format!("Cost of a frame: {}", escape(&report.source)), &body)
 }
 
 fn plots(report: &FrameReport) -> Vec<Plot> {
@@ -62,6 +42,7 @@ fn plots(report: &FrameReport) -> Vec<Plot> {
         title: "Before the first ray of a frame".to_owned(),
         x_label: "triangles",
         y_label: "µs",
+        scales: [Scale::Logarithmic; 2],
         series: vec![
             series(least, "update", OURS, false, &|row| row.update_us),
             series(least, "update, 99th percentile", OURS, true, &|row| row.update_p99_us),
@@ -74,6 +55,7 @@ fn plots(report: &FrameReport) -> Vec<Plot> {
         title: format!("Rays, {threads} thread{}", if threads == 1 { "" } else { "s" }),
         x_label: "triangles",
         y_label: "Mrays/s",
+        scales: [Scale::Logarithmic; 2],
         series: vec![
             series(threads, "primary, static tree", STATIC, false, &|row| {
                 row.primary.twin.mrays

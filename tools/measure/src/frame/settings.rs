@@ -1,4 +1,7 @@
-use crate::MeasureError;
+use crate::{
+    MeasureError,
+    thread_pools::{THREAD_LIMIT, one_and_all},
+};
 use restpose_bake::import::Animation;
 use serde::Serialize;
 
@@ -8,9 +11,6 @@ const LARGEST_SUBDIVISION: u32 = 5;
 /// Most triangles that are measured. A triangle takes about 300 bytes while its file and the static tree of a posed
 /// frame are in memory.
 const TRIANGLE_LIMIT: u64 = 1 << 25;
-
-/// Most threads of one row.
-const THREAD_LIMIT: usize = 1024;
 
 /// What [`measure_frame`](super::measure_frame) measures.
 #[derive(Clone, Debug, Serialize)]
@@ -36,11 +36,9 @@ pub struct FrameSettings {
 
 impl Default for FrameSettings {
     fn default() -> Self {
-        let mut threads = vec![1, rayon::current_num_threads()];
-        threads.dedup();
         Self {
             subdivide_max: 3,
-            threads,
+            threads: one_and_all(),
             frames: 4,
             picture_side: 512,
             random_rays: 1 << 16,
@@ -53,21 +51,14 @@ impl Default for FrameSettings {
 
 impl FrameSettings {
     pub(super) fn check(&self, animation: &Animation) -> Result<(), MeasureError> {
-        let within = |name, found: u64, from: u64, to: u64, expected| {
-            if (from..=to).contains(&found) {
-                Ok(())
-            } else {
-                Err(MeasureError::Setting { name, found, expected })
-            }
-        };
-        let at_least_one = |name, found| within(name, found, 1, u64::MAX, "1 or more");
+        let at_least_one = |name, found| MeasureError::check_setting(name, found, 1, u64::MAX, "1 or more");
         let largest = u64::from(LARGEST_SUBDIVISION);
-        within("subdivide_max", self.subdivide_max.into(), 0, largest, "0 to 5")?;
+        MeasureError::check_setting("subdivide_max", self.subdivide_max.into(), 0, largest, "0 to 5")?;
         for threads in &self.threads {
-            within("threads", *threads as u64, 1, THREAD_LIMIT as u64, "1 to 1024")?;
+            MeasureError::check_setting("threads", *threads as u64, 1, THREAD_LIMIT as u64, "1 to 1024")?;
         }
         at_least_one("frames", self.frames as u64)?;
-        within("picture_side", self.picture_side.into(), 1, 8192, "1 to 8192")?;
+        MeasureError::check_setting("picture_side", self.picture_side.into(), 1, 8192, "1 to 8192")?;
         at_least_one("random_rays", self.random_rays.into())?;
         at_least_one("repeats", self.repeats.into())?;
         at_least_one("updates", self.updates.into())?;

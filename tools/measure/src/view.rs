@@ -1,4 +1,7 @@
-use restpose_runtime::{Aabb, Ray};
+use crate::{MeasureError, clock::pose};
+use restpose_formats::rows::SampleRow;
+use restpose_runtime::{Aabb, Asset, Ray, Scene};
+use std::sync::Arc;
 
 /// Half the picture's width over its distance from the eye: a field of view of about 44°.
 const HALF_WIDTH: f64 = 0.4;
@@ -7,15 +10,31 @@ const HALF_WIDTH: f64 = 0.4;
 const TOWARDS_EYE: [f64; 3] = [0.5, 0.35, 1.0];
 
 /// A camera that sees a whole box, from a fixed direction.
-pub(super) struct View {
+pub(crate) struct View {
     eye: [f64; 3],
     /// Right, up, forward; right and up as long as half the picture.
     axes: [[f64; 3]; 3],
 }
 
 impl View {
+    /// The view of an asset in all of these poses.
+    pub(crate) fn of_poses(asset: &Arc<Asset>, poses: &[SampleRow]) -> Result<Self, MeasureError> {
+        let corners = || asset.model().triangles.iter().flat_map(|row| row.corners);
+        let mut scene = Scene::new();
+        let instance = scene.add(asset);
+        let mut bounds = Aabb::EMPTY;
+        for sample in poses {
+            pose(&mut scene, instance, sample)?;
+            let frame = scene.commit();
+            bounds = bounds.union(Aabb::around(
+                corners().filter_map(|vertex| frame.vertex(instance, vertex)),
+            ));
+        }
+        Ok(Self::of(&bounds))
+    }
+
     /// The view of the sphere around `bounds`, which fills the picture.
-    pub(super) fn of(bounds: &Aabb) -> Self {
+    pub(crate) fn of(bounds: &Aabb) -> Self {
         let (min, max) = (bounds.min.map(f64::from), bounds.max.map(f64::from));
         let center: [f64; 3] = std::array::from_fn(|k| 0.5 * (min[k] + max[k]));
         let radius = 0.5 * (0..3).map(|k| (max[k] - min[k]).powi(2)).sum::<f64>().sqrt();
@@ -35,7 +54,7 @@ impl View {
     }
 
     /// A ray through the middle of each pixel of a picture of `side` × `side`, rows from the top.
-    pub(super) fn rays(&self, side: u32) -> Vec<Ray> {
+    pub(crate) fn rays(&self, side: u32) -> Vec<Ray> {
         let [right, up, forward] = self.axes;
         let place = |pixel: u32| (2.0 * f64::from(pixel) + 1.0) / f64::from(side) - 1.0;
         let ray = |row: u32, column: u32| {

@@ -1,27 +1,29 @@
-use super::checked_rays::CheckedRays;
+use crate::checked_rays::CheckedRays;
 use crate::{MeasureError, WrongHit, statistics::median};
 use restpose_formats::rows::{NONE, SampleRow};
 use restpose_runtime::{Asset, Frame, InstanceId, PoseError, Scene};
 use std::{sync::Arc, time::Instant};
 
 /// Poses an instance as in a sample.
-pub(super) fn pose(scene: &mut Scene, instance: InstanceId, sample: &SampleRow) -> Result<(), PoseError> {
+pub(crate) fn pose(scene: &mut Scene, instance: InstanceId, sample: &SampleRow) -> Result<(), PoseError> {
     match sample.clip {
         NONE => scene.set_default_pose(instance),
         clip => scene.play(instance, clip as usize, sample.seconds),
     }
 }
 
-/// Microseconds of each of at least `updates` frame updates (pose, margins, top level), in whole passes over the
-/// samples, after one pass that is not timed.
-pub(super) fn update_times_us(asset: &Arc<Asset>, updates: u32) -> Result<Vec<f64>, MeasureError> {
-    let samples = asset.model().samples;
+/// Microseconds of frame updates (pose, margins, top level): per pose, those of `passes` passes over all poses, after one
+/// pass that is not timed.
+pub(crate) fn update_times_us(
+    asset: &Arc<Asset>,
+    poses: &[SampleRow],
+    passes: usize,
+) -> Result<Vec<Vec<f64>>, MeasureError> {
     let mut scene = Scene::new();
     let instance = scene.add(asset);
-    let passes = (updates as usize).div_ceil(samples.len().max(1));
-    let mut times = Vec::with_capacity(passes * samples.len());
+    let mut times = vec![Vec::with_capacity(passes); poses.len()];
     for pass in 0..=passes {
-        for sample in samples {
+        for (sample, times) in poses.iter().zip(&mut times) {
             let start = Instant::now();
             pose(&mut scene, instance, sample)?;
             std::hint::black_box(scene.commit());
@@ -36,7 +38,7 @@ pub(super) fn update_times_us(asset: &Arc<Asset>, updates: u32) -> Result<Vec<f6
 
 /// Seconds for all rays by fuzzy trees and by the static twin: medians of `repeats`, taken in turns after one round
 /// that is not timed and whose hits are compared.
-pub(super) fn trace_seconds(
+pub(crate) fn trace_seconds(
     frames: [Frame; 2],
     checked: &CheckedRays,
     repeats: u32,

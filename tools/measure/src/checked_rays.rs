@@ -1,4 +1,4 @@
-use crate::WrongHit;
+use crate::{Place, WrongHit};
 use rayon::prelude::*;
 use restpose_bake::verify::Oracle;
 use restpose_runtime::{Frame, Hit, Ray, TraceCounters};
@@ -9,15 +9,8 @@ const BRUTE_FORCE_TESTS: usize = 20_000_000;
 /// Rays that are compared with brute force however many triangles there are.
 const FEWEST_BRUTE_FORCE_RAYS: usize = 16;
 
-/// Which pose of which mesh; errors say so.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
-    pub subdivisions: u32,
-    pub sample: usize,
-}
-
 /// Rays whose hits are known to be right, with what they cost.
-pub(super) struct CheckedRays {
+pub(crate) struct CheckedRays {
     pub rays: Vec<Ray>,
     pub hits: Vec<Option<Hit>>,
     /// Fuzzy trees, static tree.
@@ -29,7 +22,7 @@ pub(super) struct CheckedRays {
 impl CheckedRays {
     /// Traces `rays` by fuzzy trees and by the static twin's, counting, and compares: all rays with each other, a
     /// subset spread over them with brute force. Bit for bit: triangle, `t` and barycentric coordinates.
-    pub(super) fn new(
+    pub(crate) fn new(
         [ours, twin]: [Frame; 2],
         oracle: &Oracle,
         rays: Vec<Ray>,
@@ -63,7 +56,7 @@ impl CheckedRays {
     }
 
     /// Compares the hits of all rays with the known ones.
-    pub(super) fn compare(&self, traced: &'static str, found: &[Option<Hit>]) -> Result<(), Box<WrongHit>> {
+    pub(crate) fn compare(&self, traced: &'static str, found: &[Option<Hit>]) -> Result<(), Box<WrongHit>> {
         match self.hits.iter().zip(found).position(|(known, found)| known != found) {
             Some(index) => Err(self.wrong(index, traced, found[index], "fuzzy trees", self.hits[index])),
             None => Ok(()),
@@ -79,8 +72,7 @@ impl CheckedRays {
         expected: Option<Hit>,
     ) -> Box<WrongHit> {
         Box::new(WrongHit {
-            subdivisions: self.place.subdivisions,
-            sample: self.place.sample,
+            place: self.place,
             ray: self.rays[index],
             traced,
             found,
@@ -112,7 +104,7 @@ mod tests {
     use restpose_runtime::{Asset, InstanceId, Scene};
     use std::{path::Path, sync::Arc};
 
-    const PLACE: Place = Place {
+    const PLACE: Place = Place::Sample {
         subdivisions: 2,
         sample: 7,
     };
@@ -145,10 +137,7 @@ mod tests {
         );
 
         let wrong = check([here, elsewhere], &oracle).err().unwrap();
-        assert_eq!(
-            (wrong.traced, wrong.subdivisions, wrong.sample),
-            ("the static tree", 2, 7)
-        );
+        assert_eq!((wrong.traced, wrong.place), ("the static tree", PLACE));
         let wrong = check([here, here], &other_oracle).err().unwrap();
         assert_eq!((wrong.traced, wrong.reference), ("fuzzy trees", "brute force"));
     }

@@ -11,14 +11,14 @@ use std::sync::Arc;
 /// same runtime. What a tree built afresh for this frame would be.
 ///
 /// Guarantee: its triangles are those of the frame, row by row and bit for bit, so hits must be equal too.
-pub(super) struct StaticTwin {
+pub(crate) struct StaticTwin {
     pub asset: Arc<Asset>,
     pub report: BakeReport,
 }
 
 impl StaticTwin {
     /// The twin of an instance of `asset`.
-    pub(super) fn new(frame: &Frame, instance: InstanceId, asset: &Asset) -> Result<Self, MeasureError> {
+    pub(crate) fn new(frame: &Frame, instance: InstanceId, asset: &Asset) -> Result<Self, MeasureError> {
         let vertices = 0..asset.model().vertices.len().saturating_sub(1) as u32;
         let primitive = Primitive {
             positions: vertices.filter_map(|vertex| frame.vertex(instance, vertex)).collect(),
