@@ -76,6 +76,7 @@ impl Failure {
     pub fn bake(path: &Path, error: &BakeError) -> Self {
         let code = match error {
             BakeError::SampleStep { .. }
+            | BakeError::Setting { .. }
             | BakeError::UnknownClip { .. }
             | BakeError::UnknownPart { .. }
             | BakeError::TooManySamples { .. } => ExitCode::CommandLine,

@@ -5,12 +5,14 @@ mod clip_choice;
 mod commands;
 mod exit_code;
 mod failure;
+mod import_options;
 mod input_file;
 mod mapped_asset;
 mod output;
 mod output_folder;
 mod picture;
 mod progress;
+mod source_files;
 mod table;
 
 use args::{Cli, Command, GlobalArgs};

@@ -3,6 +3,8 @@
 mod bake;
 mod demo;
 mod file;
+mod frame_range;
+mod keyframed;
 mod measure;
 mod render;
 mod values;
@@ -33,7 +35,7 @@ pub struct Cli {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Turn a glTF file into a .rpose file
+    /// Turn an animated scene into a .rpose file
     #[command(after_help = ExitCode::table())]
     Bake(BakeArgs),
     /// Show what is in a .rpose file

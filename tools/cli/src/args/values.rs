@@ -135,6 +135,32 @@ pub fn number_in(text: &str, above: f64, to: f64) -> Result<f64, String> {
     }
 }
 
+/// A finite number in a closed range; `f64::MAX` stands for no upper limit.
+pub fn number_from(text: &str, from: f64, to: f64) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x >= from && x <= to => Ok(x),
+        _ if to == f64::MAX => Err(format!("expected a finite number, {from} or more")),
+        _ => Err(format!("expected a number from {from} to {to}")),
+    }
+}
+
+/// A whole number from 1.
+pub fn count(text: &str, most: usize) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(count) if (1..=most).contains(&count) => Ok(count),
+        _ => Err(format!("expected a whole number from 1 to {most}")),
+    }
+}
+
+/// `on` or `off`.
+pub fn switch(text: &str) -> Result<bool, String> {
+    match text {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err("expected on or off".to_owned()),
+    }
+}
+
 /// A time in seconds: finite, not negative.
 pub fn seconds(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
@@ -210,6 +236,15 @@ mod tests {
         for wrong in ["0", "-1", "1.5", "nan", "inf", "x"] {
             assert!(number_in(wrong, 0.0, 1.0).is_err(), "{wrong:?}");
         }
+        assert_eq!(number_from("0", 0.0, 1.0), Ok(0.0));
+        assert_eq!(number_from("1e300", 0.0, f64::MAX), Ok(1e300));
+        for wrong in ["-0.1", "1.1", "nan", "inf"] {
+            assert!(number_from(wrong, 0.0, 1.0).is_err(), "{wrong:?}");
+        }
+        assert!(number_from("inf", 0.0, f64::MAX).is_err());
+        assert!(count("1", 9).is_ok() && count("9", 9).is_ok());
+        assert!(count("0", 9).is_err() && count("10", 9).is_err() && count("2.5", 9).is_err());
+        assert!(switch("on") == Ok(true) && switch("off") == Ok(false) && switch("true").is_err());
         assert!(seconds("0").is_ok() && seconds("-0.1").is_err() && seconds("inf").is_err());
         assert!(threads("1").is_ok() && threads("0").is_err() && threads("1025").is_err());
     }

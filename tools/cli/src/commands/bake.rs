@@ -1,30 +1,36 @@
-use super::Context;
+use super::{Context, cache_lines::cache_lines};
 use crate::{
     args::{BakeArgs, BoundsKind},
     exit_code::ExitCode,
     failure::Failure,
     input_file,
     output::Answer,
+    source_files,
     table::Table,
 };
 use restpose_bake::{
     BakeReport, BakeSettings, ClipSelection, PartReport, StageSeconds, bake,
-    import::{Fault, Imported, import},
+    import::{Fault, Imported},
     write_file,
 };
 use restpose_formats::Bounds;
 use restpose_runtime::Asset;
 use serde::Serialize;
-use std::{path::Path, time::Duration};
+use std::{
+    path::{Path, PathBuf},
+    time::Duration,
+};
 
 /// What the file's name ends in.
 const EXTENSION: &str = "rpose";
 
 #[derive(Serialize)]
 struct Report<'a> {
+    /// The first of `inputs`.
     input: String,
+    inputs: Vec<String>,
     output: String,
-    /// True when `--if-changed` found nothing to do; only the first five keys are there then.
+    /// True when `--if-changed` found nothing to do; only the keys to `warnings` are there then.
     skipped: bool,
     file_bytes: u64,
     warnings: &'a [Fault],
@@ -64,23 +70,25 @@ pub struct Written {
     pub write: Duration,
 }
 
-/// Turns a source file into a `.rpose` file.
+/// Turns the files of a scene into a `.rpose` file.
 pub fn run(args: &BakeArgs, context: &Context) -> Result<Answer, Failure> {
     let settings = settings(args);
-    check_output(&args.input, &args.output)?;
-    input_file::check(&args.input)?;
+    check_output(&args.inputs, &args.output)?;
+    source_files::check(&args.inputs)?;
 
     let start = std::time::Instant::now();
     context.reporter.stage("import", 0);
-    let imported = import(&args.input).map_err(|error| Failure::import(&args.input, error))?;
+    let imported = source_files::import(&args.inputs, &args.frames.settings())?;
     let import_time = start.elapsed();
+    let (input, label) = (source_files::first(&args.inputs), source_files::label(&args.inputs));
     for fault in &imported.faults {
         context
             .reporter
-            .message(&format!("warning: {}: {fault}", args.input.display()), context.quiet);
+            .message(&format!("warning: {label}: {fault}"), context.quiet);
     }
     let report = |skipped, file_bytes, made| Report {
-        input: args.input.display().to_string(),
+        input: input.display().to_string(),
+        inputs: source_files::listed(&args.inputs),
         output: args.output.display().to_string(),
         skipped,
         file_bytes,
@@ -92,7 +100,7 @@ pub fn run(args: &BakeArgs, context: &Context) -> Result<Answer, Failure> {
         let text = format!("{}: unchanged", args.output.display());
         return Answer::new(&report(true, input_file::check(&args.output)?, None), text);
     }
-    let written = bake_to(&imported, &settings, &args.input, &args.output, context)?;
+    let written = bake_to(&imported, &settings, input, &args.output, context)?;
     context.reporter.finish();
     let total = start.elapsed().as_secs_f64();
     let seconds = Seconds {
@@ -130,7 +138,7 @@ pub fn bake_to(
 }
 
 fn settings(args: &BakeArgs) -> BakeSettings {
-    let default = BakeSettings::default();
+    let default = args.keyframed.settings();
     BakeSettings {
         clips: if args.clips.is_empty() {
             ClipSelection::All
@@ -151,7 +159,7 @@ fn settings(args: &BakeArgs) -> BakeSettings {
 }
 
 /// Sees that the output can be written, before the work whose result it takes.
-fn check_output(input: &Path, output: &Path) -> Result<(), Failure> {
+fn check_output(inputs: &[PathBuf], output: &Path) -> Result<(), Failure> {
     let wrong = |message: String| Failure::at(ExitCode::CommandLine, output, message);
     if output.extension().is_none_or(|extension| extension != EXTENSION) {
         return Err(wrong(format!(
@@ -163,7 +171,7 @@ fn check_output(input: &Path, output: &Path) -> Result<(), Failure> {
         return Err(wrong(format!("{}: is a folder; name a file", output.display())));
     }
     let same = |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
-    if same(input, output) {
+    if inputs.iter().any(|input| same(input, output)) {
         return Err(wrong(format!(
             "{}: input and output are the same file",
             output.display()
@@ -188,7 +196,8 @@ fn check_output(input: &Path, output: &Path) -> Result<(), Failure> {
 fn is_current(output: &Path, imported: &Imported, settings: &BakeSettings) -> bool {
     Asset::open(output).is_ok_and(|asset| {
         let hashes = asset.model().hashes;
-        hashes.source == imported.animation.source_hash && hashes.options == settings.hash(&imported.animation.import_options)
+        hashes.source == imported.animation.source_hash
+            && hashes.options == settings.hash(&imported.animation.import_options)
     })
 }
 
@@ -220,8 +229,10 @@ fn text(written: &Written, output: &Path, seconds: f64) -> String {
             part.reason.clone(),
         ]);
     }
+    let caches: Vec<String> = report.parts.iter().filter_map(cache_lines).collect();
+    let caches = caches.iter().map(|lines| format!("\n\n{lines}")).collect::<String>();
     format!(
-        "{table}\n\n{}: {} bytes, {} triangles ({} without area), {} clusters, {} sampled poses, {seconds:.2} s",
+        "{table}{caches}\n\n{}: {} bytes, {} triangles ({} without area), {} clusters, {} sampled poses, {seconds:.2} s",
         output.display(),
         written.file_bytes,
         report.triangles,

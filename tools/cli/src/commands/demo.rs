@@ -9,20 +9,25 @@ use crate::{
     output_folder::OutputFolder,
     picture::{CameraPlace, Film, Look, Movement, encode_png},
     progress::StageSeconds,
+    source_files,
     table::Table,
 };
 use restpose_bake::{
     BakeSettings,
-    import::import,
+    import::ImportSettings,
     verify::{VerifyReport, VerifySettings},
 };
 use restpose_runtime::Asset;
 use serde::Serialize;
 use std::{
+    collections::BTreeMap,
+    ffi::OsStr,
     path::{Path, PathBuf},
     sync::Arc,
 };
 
+/// What a sample's files are called.
+const EXTENSIONS: [&str; 5] = ["gltf", "glb", "obj", "pc2", "mdd"];
 /// Frames of each animation.
 const FRAMES: u32 = 24;
 /// Sides of the animation's frames and of the single pictures, pixels.
@@ -42,7 +47,9 @@ struct Report {
 #[derive(Serialize)]
 struct Scene {
     name: String,
+    /// The first of `sources`.
     source: String,
+    sources: Vec<String>,
     file: String,
     file_bytes: u64,
     triangles: u64,
@@ -55,10 +62,9 @@ struct Scene {
 
 /// Bakes, maps, renders and verifies every sample.
 pub fn run(args: &DemoArgs, context: &Context) -> Result<Answer, Failure> {
-    let sources = sources(&args.scenes)?;
     let mut scenes = Vec::new();
-    for source in &sources {
-        scenes.push(show(source, &args.output, context)?);
+    for (name, files) in &sources(&args.scenes)? {
+        scenes.push(show(name, files, &args.output, context)?);
     }
     let failure = scenes
         .iter()
@@ -72,8 +78,8 @@ pub fn run(args: &DemoArgs, context: &Context) -> Result<Answer, Failure> {
     Answer::with_failure(&report, text, failure)
 }
 
-/// The scenes in a folder, by name.
-fn sources(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+/// The scenes in a folder, by name: a mesh and a vertex cache of one name are one scene.
+fn sources(folder: &Path) -> Result<BTreeMap<String, Vec<PathBuf>>, Failure> {
     let entries = std::fs::read_dir(folder).map_err(|error| {
         let message = format!(
             "{}: cannot read the sample scenes: {error}; run in the project's folder, or name theirs with --scenes",
@@ -81,38 +87,43 @@ fn sources(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
         );
         Failure::at(ExitCode::Io, folder, message)
     })?;
-    let mut sources = Vec::new();
+    let mut sources: BTreeMap<String, Vec<PathBuf>> = BTreeMap::new();
     for entry in entries {
         let path = entry.map_err(|error| Failure::io("read", folder, &error))?.path();
-        if path
-            .extension()
-            .is_some_and(|extension| extension == "gltf" || extension == "glb")
-        {
-            sources.push(path);
+        let known = |extension: &OsStr| EXTENSIONS.iter().any(|known| extension == *known);
+        if path.extension().is_some_and(known) {
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            sources.entry(name).or_default().push(path);
         }
     }
     if sources.is_empty() {
         let message = format!(
-            "{}: holds no sample scenes (.gltf, .glb); name their folder with --scenes",
-            folder.display()
+            "{}: holds no sample scenes (.{}); name their folder with --scenes",
+            folder.display(),
+            EXTENSIONS.join(", .")
         );
         return Err(Failure::at(ExitCode::Io, folder, message));
     }
-    sources.sort();
+    sources.values_mut().for_each(|files| files.sort());
     Ok(sources)
 }
 
-fn show(source: &Path, output: &Path, context: &Context) -> Result<Scene, Failure> {
-    let name = source.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+fn show(name: &str, files: &[PathBuf], output: &Path, context: &Context) -> Result<Scene, Failure> {
+    let source = source_files::first(files);
     let file_name = format!("{name}.rpose");
-    let target = output.join(&name);
-    context.reporter.set_label(&name);
+    let target = output.join(name);
+    context.reporter.set_label(name);
     let mut folder = OutputFolder::prepare(&target)?;
 
     context.reporter.stage("import", 0);
-    let imported = import(source).map_err(|error| Failure::import(source, error))?;
+    let imported = source_files::import(files, &ImportSettings::default())?;
     let file = folder.claim(&file_name);
-    let written = bake_to(&imported, &BakeSettings::default(), source, &file, context)?;
+    let settings = BakeSettings {
+        // Fuzzy trees are what the demo is to show, also where a picture has so many rays that a tree built for it pays.
+        rays_per_frame: 0.0,
+        ..BakeSettings::default()
+    };
+    let written = bake_to(&imported, &settings, source, &file, context)?;
     let asset = Arc::new(map_own_file(&file).map_err(|error| Failure::open(&file, &error))?);
 
     let settings = VerifySettings {
@@ -156,6 +167,7 @@ fn show(source: &Path, output: &Path, context: &Context) -> Result<Scene, Failur
     let shown = |name: &str| target.join(name).display().to_string();
     Ok(Scene {
         source: source.display().to_string(),
+        sources: source_files::listed(files),
         file: shown(&file_name),
         file_bytes: written.file_bytes,
         triangles: written.report.triangles,
@@ -167,7 +179,7 @@ fn show(source: &Path, output: &Path, context: &Context) -> Result<Scene, Failur
             .map(|view| shown(&format!("{}.png", view.name())))
             .collect(),
         verify: verified,
-        name,
+        name: name.to_owned(),
     })
 }
 

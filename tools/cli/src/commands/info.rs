@@ -1,3 +1,4 @@
+use super::cache_contents::CacheContents;
 use crate::{args::InfoArgs, failure::Failure, input_file, output::Answer, table::Table};
 use restpose_formats::{
     Bounds, ModelView,
@@ -19,6 +20,7 @@ struct Report {
     bounds: Bounds,
     parts: Vec<Part>,
     clips: Vec<Clip>,
+    caches: Vec<CacheContents>,
     clusters: Vec<Cluster>,
     counts: Counts,
 }
@@ -47,6 +49,8 @@ struct Clip {
 struct Cluster {
     bone: u32,
     bone_name: String,
+    /// Track row; none where the bone alone moves it.
+    track: Option<u32>,
     triangles: u32,
     nodes: u32,
     references: u32,
@@ -63,6 +67,9 @@ struct Counts {
     bones: usize,
     morph_targets: usize,
     samples: usize,
+    segments: usize,
+    tracks: usize,
+    track_keys: usize,
     kd_nodes: usize,
     references: usize,
 }
@@ -77,27 +84,17 @@ pub fn run(args: &InfoArgs) -> Result<Answer, Failure> {
 
 fn report(file: String, file_bytes: u64, model: &ModelView<'_>) -> Report {
     let meta = &model.meta;
-    let cluster_of = cluster_of_triangles(model);
+    let clusters_of = clusters_of_parts(model);
     let name = |names: &[String], row: usize| names.get(row).cloned().unwrap_or_default();
-    let parts = model.parts.iter().enumerate().map(|(row, part)| {
-        let triangles = part.triangle_first as usize..part.triangle_first as usize + part.triangle_count as usize;
-        let clusters: BTreeSet<u32> = cluster_of
-            .get(triangles)
-            .unwrap_or_default()
-            .iter()
-            .flatten()
-            .copied()
-            .collect();
-        Part {
-            name: name(&meta.part_names, row),
-            class: MotionClass::from_number(part.class).map_or("unknown", MotionClass::name),
-            triangles: part.triangle_count,
-            vertices: part.vertex_count,
-            clusters: clusters.len(),
-            source_node: part.source_node,
-            source_mesh: part.source_mesh,
-            source_skin: Some(part.source_skin).filter(|skin| *skin != NONE),
-        }
+    let parts = model.parts.iter().enumerate().map(|(row, part)| Part {
+        name: name(&meta.part_names, row),
+        class: MotionClass::from_number(part.class).map_or("unknown", MotionClass::name),
+        triangles: part.triangle_count,
+        vertices: part.vertex_count,
+        clusters: clusters_of.get(row).map_or(0, BTreeSet::len),
+        source_node: part.source_node,
+        source_mesh: part.source_mesh,
+        source_skin: Some(part.source_skin).filter(|skin| *skin != NONE),
     });
     let clips = model.clips.iter().enumerate().map(|(row, clip)| Clip {
         name: name(&meta.clip_names, row),
@@ -108,6 +105,7 @@ fn report(file: String, file_bytes: u64, model: &ModelView<'_>) -> Report {
     let clusters = model.clusters.iter().map(|cluster| Cluster {
         bone: cluster.bone,
         bone_name: name(&meta.bone_names, cluster.bone as usize),
+        track: Some(cluster.track).filter(|track| *track != NONE),
         triangles: cluster.triangle_count,
         nodes: cluster.node_count,
         references: cluster.reference_count,
@@ -124,6 +122,7 @@ fn report(file: String, file_bytes: u64, model: &ModelView<'_>) -> Report {
         bounds: meta.bounds,
         parts: parts.collect(),
         clips: clips.collect(),
+        caches: CacheContents::all(model),
         clusters: clusters.collect(),
         counts: Counts {
             triangles: model.triangles.len(),
@@ -135,24 +134,28 @@ fn report(file: String, file_bytes: u64, model: &ModelView<'_>) -> Report {
             bones: model.bones.len(),
             morph_targets: model.morph_targets.len(),
             samples: model.samples.len(),
+            segments: model.segments.len(),
+            tracks: model.tracks.len(),
+            track_keys: model.keys.len(),
             kd_nodes: model.kd_nodes.len(),
             references: model.references.len(),
         },
     }
 }
 
-/// The cluster of each triangle; none where it has no area.
-fn cluster_of_triangles(model: &ModelView<'_>) -> Vec<Option<u32>> {
-    let mut cluster_of = vec![None; model.triangles.len()];
+/// Per part, the clusters that hold some of its triangles, those of all time segments.
+fn clusters_of_parts(model: &ModelView<'_>) -> Vec<BTreeSet<u32>> {
+    let mut clusters_of = vec![BTreeSet::new(); model.parts.len()];
     for (number, row) in (0u32..).zip(model.clusters) {
         let references = row.reference_first as usize..row.reference_first as usize + row.reference_count as usize;
         for triangle in model.references.get(references).unwrap_or_default() {
-            if let Some(own) = cluster_of.get_mut(*triangle as usize) {
-                *own = Some(number);
+            let after = model.parts.partition_point(|part| part.triangle_first <= *triangle);
+            if let Some(own) = after.checked_sub(1).and_then(|part| clusters_of.get_mut(part)) {
+                own.insert(number);
             }
         }
     }
-    cluster_of
+    clusters_of
 }
 
 fn text(report: &Report) -> String {
@@ -175,7 +178,13 @@ fn text(report: &Report) -> String {
             counts.kd_nodes,
             counts.references
         ),
-        format!("poses     {} sampled; boxes hold for these only", counts.samples),
+        match report.caches.len() {
+            0 => format!("poses     {} sampled; boxes hold for these only", counts.samples),
+            _ => format!(
+                "poses     {} sampled; boxes hold for the bones of these, and for vertex caches at any time",
+                counts.samples
+            ),
+        },
     ];
     let options: Vec<String> = report
         .options
@@ -202,23 +211,52 @@ fn text(report: &Report) -> String {
             clip.channels.to_string(),
         ]);
     }
+    let mut caches = Table::new([
+        "vertex cache of",
+        "keys",
+        "segments",
+        "tracks",
+        "position bytes",
+        "per vertex and key",
+        "position error",
+    ]);
+    for cache in &report.caches {
+        caches.add([
+            cache.part.clone(),
+            cache.keys.to_string(),
+            cache.segments.len().to_string(),
+            cache.tracks().to_string(),
+            cache.position_bytes.to_string(),
+            format!("{:.2}", cache.bytes_per_vertex_key),
+            format!("{:e}", cache.position_error),
+        ]);
+    }
     let mut clusters = Table::new([
         "cluster's bone",
+        "track",
         "triangles",
         "nodes",
         "references",
-        "influencing bones",
+        "influences",
     ]);
     for cluster in &report.clusters {
         clusters.add([
             cluster.bone_name.clone(),
+            cluster
+                .track
+                .map_or_else(|| "none".to_owned(), |track| track.to_string()),
             cluster.triangles.to_string(),
             cluster.nodes.to_string(),
             cluster.references.to_string(),
             cluster.influencing_bones.to_string(),
         ]);
     }
-    let tables = [parts.to_string(), clips.to_string(), clusters.to_string()];
+    let tables = [
+        parts.to_string(),
+        clips.to_string(),
+        caches.to_string(),
+        clusters.to_string(),
+    ];
     lines.extend(
         tables
             .into_iter()

@@ -1,6 +1,8 @@
 //! One module per command. Each checks its arguments, does its work by the libraries, and gives an answer to print.
 
 pub mod bake;
+mod cache_contents;
+mod cache_lines;
 pub mod demo;
 pub mod info;
 pub mod measure;

@@ -1,9 +1,10 @@
 use super::Context;
 use crate::{
-    args::VerifyArgs, exit_code::ExitCode, failure::Failure, input_file, output::Answer, progress::StageSeconds,
+    args::VerifyArgs, exit_code::ExitCode, failure::Failure, import_options::import_settings, input_file,
+    output::Answer, progress::StageSeconds, source_files,
 };
 use restpose_bake::{
-    import::{Animation, import},
+    import::Animation,
     verify::{VerifyReport, VerifySettings, verify},
 };
 use restpose_runtime::Asset;
@@ -13,7 +14,9 @@ use std::{path::Path, sync::Arc};
 #[derive(Serialize)]
 struct Report<'a> {
     file: String,
+    /// The first of `sources`.
     source: String,
+    sources: Vec<String>,
     passed: bool,
     #[serde(flatten)]
     verified: &'a VerifyReport,
@@ -22,13 +25,12 @@ struct Report<'a> {
 
 /// Compares a file with brute force on its source.
 pub fn run(args: &VerifyArgs, context: &Context) -> Result<Answer, Failure> {
-    input_file::check(&args.source)?;
+    source_files::check(&args.sources)?;
     context.reporter.stage("open", 0);
     let asset = input_file::open_asset(&args.file)?;
     context.reporter.stage("import", 0);
-    let source = import(&args.source)
-        .map_err(|error| Failure::import(&args.source, error))?
-        .animation;
+    let import_settings = import_settings(&args.file, &asset.model().meta.options)?;
+    let source = source_files::import(&args.sources, &import_settings)?.animation;
     let settings = VerifySettings {
         rays: args.rays,
         poses: args.poses,
@@ -38,12 +40,13 @@ pub fn run(args: &VerifyArgs, context: &Context) -> Result<Answer, Failure> {
     let failure = failure(&verified, &args.file);
     let report = Report {
         file: args.file.display().to_string(),
-        source: args.source.display().to_string(),
+        source: source_files::first(&args.sources).display().to_string(),
+        sources: source_files::listed(&args.sources),
         passed: failure.is_none(),
         verified: &verified,
         seconds: context.reporter.finish(),
     };
-    Answer::with_failure(&report, text(&verified), failure)
+    Answer::with_failure(&report, text(&verified, asset.model().caches.len()), failure)
 }
 
 /// Verifies an asset, once it is sure that it was baked from this source.
@@ -79,10 +82,14 @@ pub fn failure(verified: &VerifyReport, file: &Path) -> Option<Failure> {
     })
 }
 
-fn text(verified: &VerifyReport) -> String {
+fn text(verified: &VerifyReport, cache_count: usize) -> String {
+    let poses = match cache_count {
+        0 => format!("{} of {} samples", verified.poses, verified.samples),
+        _ => format!("{}, vertex caches at random times between keys", verified.poses),
+    };
     [
         format!("rays              {}", verified.rays),
-        format!("poses             {} of {} samples", verified.poses, verified.samples),
+        format!("poses             {poses}"),
         format!("hits              {}", verified.hits),
         format!("missed            {}", verified.missed),
         format!("wrong             {}", verified.wrong),

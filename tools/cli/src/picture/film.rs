@@ -1,7 +1,7 @@
 use super::{
     camera::{Camera, Lens},
     canvas::Canvas,
-    colour::{Colour, distinct},
+    colour::Colour,
     corner_fans::CornerFans,
     heat_map::{heat, scale_end},
     legend,
@@ -80,8 +80,10 @@ struct Studio<'a> {
     camera: Camera,
     around: Surroundings,
     fans: CornerFans,
-    /// Per triangle.
-    colours: Vec<Colour>,
+    /// Per triangle, by part.
+    part_colours: Vec<Colour>,
+    /// Per cluster row.
+    cluster_colours: Vec<Colour>,
     /// In each pixel.
     places: Vec<[f64; 2]>,
     /// Work per ray at the end of the heat map's scale.
@@ -113,10 +115,8 @@ impl<'a> Film<'a> {
             camera: camera(look, &bounds),
             around: Surroundings::new(look.light.0.into(), &bounds, look.floor),
             fans: CornerFans::new(model),
-            colours: match look.view {
-                View::Clusters => triangle_colours::by_cluster(model),
-                View::Shaded | View::Boxes | View::Steps => triangle_colours::by_part(model),
-            },
+            part_colours: triangle_colours::by_part(model),
+            cluster_colours: triangle_colours::of_clusters(model),
             places: sampling::places(look.samples.side()),
             heat_end: 0,
         };
@@ -144,9 +144,13 @@ impl<'a> Film<'a> {
         let studio = &self.studio;
         let canvas = match studio.look.view {
             View::Steps => studio.heat_map(&frame),
-            View::Shaded | View::Clusters => studio.shaded(&frame, self.instance),
+            View::Shaded => studio.shaded(&frame, self.instance, &studio.part_colours),
+            View::Clusters => {
+                let colours = triangle_colours::by_cluster(studio.asset.model(), &studio.cluster_colours, &frame);
+                studio.shaded(&frame, self.instance, &colours)
+            }
             View::Boxes => {
-                let mut canvas = studio.shaded(&frame, self.instance);
+                let mut canvas = studio.shaded(&frame, self.instance, &studio.part_colours);
                 studio.draw_boxes(&mut canvas, &frame);
                 canvas
             }
@@ -165,7 +169,8 @@ impl<'a> Film<'a> {
 }
 
 impl Studio<'_> {
-    fn shaded(&self, frame: &Frame<'_>, instance: InstanceId) -> Canvas {
+    /// `colours` are those of the triangles.
+    fn shaded(&self, frame: &Frame<'_>, instance: InstanceId, colours: &[Colour]) -> Canvas {
         let triangle_count = self.asset.model().triangles.len() as u32;
         let normals = area_normals(frame, instance, triangle_count);
         let shading = Shading::new(*frame, &self.fans, &self.around, &normals);
@@ -176,7 +181,7 @@ impl Studio<'_> {
                 sum += match frame.closest_hit(&ray) {
                     Some(hit) => {
                         depth = depth.min(self.camera.depth_on(&ray, hit.t) as f32);
-                        let own = self.colours.get(hit.triangle as usize).copied().unwrap_or(Colour::ONE);
+                        let own = colours.get(hit.triangle as usize).copied().unwrap_or(Colour::ONE);
                         shading.surface(&ray, &hit, own)
                     }
                     None => shading.background(&ray),
@@ -199,13 +204,9 @@ impl Studio<'_> {
     fn draw_boxes(&self, canvas: &mut Canvas, frame: &Frame<'_>) {
         let thickness = (f64::from(self.look.size.height) / 400.0).max(1.0);
         for cluster in frame.clusters() {
-            let bone = self
-                .asset
-                .model()
-                .clusters
-                .get(cluster.cluster as usize)
-                .map_or(0, |row| row.bone);
-            wire_boxes::draw(canvas, &self.camera, &cluster.bounds_world, thickness, distinct(bone));
+            let number = cluster.cluster as usize;
+            let colour = self.cluster_colours.get(number).copied().unwrap_or(Colour::ONE);
+            wire_boxes::draw(canvas, &self.camera, &cluster.bounds_world, thickness, colour);
         }
     }
 

@@ -7,7 +7,7 @@ use crate::{
 type Case<'a> = (&'a [&'a str], i32, &'a str);
 
 /// What clap refuses before anything else happens.
-const USAGE: [Case; 21] = [
+const USAGE: [Case; 33] = [
     (&[], 1, "Usage"),
     (&["bend"], 1, "unrecognized subcommand"),
     (&["bake"], 1, "required arguments"),
@@ -41,6 +41,66 @@ const USAGE: [Case; 21] = [
         &["bake", "door.gltf", "-o", "new.rpose", "--bounds", "none"],
         1,
         "possible values: sampled",
+    ),
+    (
+        &["bake", "door.gltf", "-o", "new.rpose", "--frames=5"],
+        1,
+        "expected FIRST-[LAST][/STEP]",
+    ),
+    (
+        &["bake", "door.gltf", "-o", "new.rpose", "--frame-rate=0"],
+        1,
+        "expected a number above 0, at most 1000000",
+    ),
+    (
+        &["bake", "door.gltf", "-o", "new.rpose", "--position-error=-1"],
+        1,
+        "expected a finite number, 0 or more",
+    ),
+    (
+        &["bake", "door.gltf", "-o", "new.rpose", "--max-clusters=0"],
+        1,
+        "expected a whole number from 1 to 65536",
+    ),
+    (
+        &["bake", "door.gltf", "-o", "new.rpose", "--cluster-threshold=2"],
+        1,
+        "expected a number from 0 to 1",
+    ),
+    (
+        &["bake", "door.gltf", "-o", "new.rpose", "--iteration-threshold=nan"],
+        1,
+        "expected a number from 0 to 1",
+    ),
+    (
+        &["bake", "door.gltf", "-o", "new.rpose", "--max-iterations=0"],
+        1,
+        "expected a whole number from 1 to 1000000",
+    ),
+    (
+        &["bake", "door.gltf", "-o", "new.rpose", "--rest-step=1.5"],
+        1,
+        "expected a whole number from 1 to 1000000",
+    ),
+    (
+        &["bake", "door.gltf", "-o", "new.rpose", "--principal-axes=yes"],
+        1,
+        "expected on or off",
+    ),
+    (
+        &["bake", "door.gltf", "-o", "new.rpose", "--segments=0"],
+        1,
+        "expected a whole number from 1 to 65536",
+    ),
+    (
+        &["bake", "door.gltf", "-o", "new.rpose", "--segment-worth=inf"],
+        1,
+        "expected a finite number, 0 or more",
+    ),
+    (
+        &["bake", "door.gltf", "-o", "new.rpose", "--rays-per-frame=few"],
+        1,
+        "expected a finite number, 0 or more",
     ),
     (
         &["info", "door.rpose", "-j", "0"],
@@ -116,7 +176,7 @@ const FILES: [Case; 22] = [
     (
         &["bake", "folder.rpose", "-o", "new.rpose"],
         1,
-        "folder.rpose: is a folder",
+        "folder.rpose: the folder holds no .obj files",
     ),
     (&["bake", "none.gltf", "-o", "new.rpose"], 2, "none.gltf: cannot read"),
     (

@@ -1,5 +1,6 @@
 use crate::{
     fixture::{door, folder},
+    flag::flag,
     run::{files, restpose},
 };
 
@@ -22,6 +23,20 @@ fn the_demo_shows_and_verifies_every_scene_in_the_folder() {
     // out/demo, out/demo/door, the five, the baked file, 24 frames.
     assert_eq!(made.len(), 2 + 5 + 1 + 24, "{made:?}");
     assert!(folder.path().join("out/demo/door/door.rpose").is_file());
+}
+
+#[test]
+fn a_mesh_and_its_vertex_cache_are_one_scene() {
+    let folder = folder();
+    let scenes = folder.path().join("scenes");
+    std::fs::create_dir_all(&scenes).expect("room");
+    flag(&scenes);
+    let run = restpose(folder.path(), ["demo", "--scenes", "scenes", "-o", "new", "--json"]).succeeded();
+    let shown = &run.json()["scenes"];
+    assert_eq!(shown.as_array().map(Vec::len), Some(1), "{shown}");
+    assert_eq!(shown[0]["sources"].as_array().map(Vec::len), Some(2), "{shown}");
+    assert!(shown[0]["clusters"].as_u64().is_some_and(|count| count > 2), "{shown}");
+    assert!(folder.path().join("new/flag/clusters.png").is_file());
 }
 
 #[test]

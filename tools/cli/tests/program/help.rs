@@ -39,6 +39,18 @@ fn options_stand_in_groups_with_their_defaults() {
     ] {
         assert!(run.stdout.contains(words), "{words}");
     }
+    let bake = restpose(folder().path(), ["bake", "--help"]).succeeded();
+    for words in [
+        "<INPUT>...",
+        "Frames of vertex caches and OBJ sequences:",
+        "Vertex caches:",
+        "--position-error <UNITS>",
+        "[default: 25]",
+        "Poses:",
+        "Motion classes:",
+    ] {
+        assert!(bake.stdout.contains(words), "{words}: {}", bake.stdout);
+    }
     assert!(!run.stdout.contains("_frames") && !run.stdout.contains("--if_changed"));
 }
 

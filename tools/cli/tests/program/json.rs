@@ -1,5 +1,6 @@
 use crate::{
     fixture::{baked_door, door, folder, outgrown_door},
+    flag::{SEGMENTED, baked_flag, flag, outgrown_flag},
     run::restpose,
 };
 use serde_json::Value;
@@ -70,14 +71,25 @@ fn bake_prints_its_keys() {
     let folder = folder();
     door(folder.path());
     let bake: &[&str] = &["bake", "door.gltf", "-o", "door.rpose"];
-    agree("bake", folder.path(), &[bake, &[bake, &["--if-changed"]].concat()]);
+    flag(folder.path());
+    let keyframed = [&["bake", "flag.obj", "flag.pc2", "-o", "flag.rpose"], &SEGMENTED[..]].concat();
+    agree(
+        "bake",
+        folder.path(),
+        &[bake, &[bake, &["--if-changed"]].concat(), &keyframed],
+    );
 }
 
 #[test]
 fn the_other_commands_print_their_keys() {
     let folder = folder();
     baked_door(folder.path());
-    agree("info", folder.path(), &[&["info", "door.rpose"]]);
+    baked_flag(folder.path(), &[]);
+    agree(
+        "info",
+        folder.path(),
+        &[&["info", "door.rpose"], &["info", "flag.rpose"]],
+    );
     agree("validate", folder.path(), &[&["validate", "door.rpose"]]);
     agree(
         "render",
@@ -91,11 +103,16 @@ fn the_other_commands_print_their_keys() {
 fn verify_prints_its_keys_and_the_failures() {
     let folder = folder();
     outgrown_door(folder.path());
+    outgrown_flag(folder.path());
     let sound: &[&str] = &["verify", "door.rpose", "door.gltf", "--rays", "1000"];
     agree(
         "verify",
         folder.path(),
-        &[sound, &["verify", "bad.rpose", "door.gltf", "--rays", "5000"]],
+        &[
+            sound,
+            &["verify", "bad.rpose", "door.gltf", "--rays", "5000"],
+            &["verify", "bad_flag.rpose", "flag.obj", "flag.pc2", "--rays", "5000"],
+        ],
     );
 }
 
