@@ -10,7 +10,7 @@ fn u16_at(bytes: &[u8], at: usize) -> u16 {
     u16::from_le_bytes([bytes[at], bytes[at + 1]])
 }
 
-fn u32_at(bytes: &[u8], at: usize) -> u32 {
+pub fn u32_at(bytes: &[u8], at: usize) -> u32 {
     u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
 }
 
@@ -18,11 +18,15 @@ fn u64_at(bytes: &[u8], at: usize) -> u64 {
     u64::from(u32_at(bytes, at)) | u64::from(u32_at(bytes, at + 4)) << 32
 }
 
-fn f32s<const N: usize>(bytes: &[u8], at: usize) -> [f32; N] {
+pub fn f32s<const N: usize>(bytes: &[u8], at: usize) -> [f32; N] {
     std::array::from_fn(|i| f32::from_bits(u32_at(bytes, at + 4 * i)))
 }
 
-fn u32s<const N: usize>(bytes: &[u8], at: usize) -> [u32; N] {
+pub fn u16s(bytes: &[u8], at: usize) -> [u16; 3] {
+    std::array::from_fn(|i| u16_at(bytes, at + 2 * i))
+}
+
+pub fn u32s<const N: usize>(bytes: &[u8], at: usize) -> [u32; N] {
     std::array::from_fn(|i| u32_at(bytes, at + 4 * i))
 }
 
@@ -36,7 +40,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 }
 
 /// The codes and row sizes of `FORMAT.md`, section 2.
-const SECTIONS: [(&[u8; 4], usize); 27] = [
+const SECTIONS: [(&[u8; 4], usize); 28] = [
     (b"META", 1),
     (b"PART", 48),
     (b"PRIM", 16),
@@ -64,10 +68,11 @@ const SECTIONS: [(&[u8; 4], usize); 27] = [
     (b"CBON", 16),
     (b"KDND", 8),
     (b"REFS", 4),
+    (b"RBOX", 12),
 ];
 
 /// The rows of a section, found through the table.
-fn rows(code: &[u8; 4]) -> Vec<&'static [u8]> {
+pub fn rows(code: &[u8; 4]) -> Vec<&'static [u8]> {
     let line = SECTIONS
         .iter()
         .position(|(known, _)| *known == code)
@@ -96,12 +101,12 @@ fn header_and_table_are_as_the_text_says() {
     assert_eq!((u16_at(V1_1, 10), u16_at(V1_1, 12), u16_at(V1_1, 14)), (1, 1, 0));
     assert_eq!((u32_at(V1_1, 16), u64_at(V1_1, 24)), (128, V1_1.len() as u64));
     assert_eq!((u64_at(V1_1, 32), u64_at(V1_1, 40)), (0, 1));
-    assert_eq!((u32_at(V1_1, 48), u32_at(V1_1, 52), u64_at(V1_1, 120)), (27, 0, 0));
+    assert_eq!((u32_at(V1_1, 48), u32_at(V1_1, 52), u64_at(V1_1, 120)), (28, 0, 0));
     assert_eq!(
         (&V1_1[56..88], &V1_1[88..120]),
         (&model().hashes.source[..], &model().hashes.options[..])
     );
-    let mut sealed = V1_1[..128 + 40 * 27].to_vec();
+    let mut sealed = V1_1[..128 + 40 * 28].to_vec();
     sealed[20..24].fill(0);
     assert_eq!(u32_at(V1_1, 20), crc32(&sealed));
 
@@ -183,6 +188,7 @@ fn rows_are_as_the_text_says() {
     ));
     same!(b"CBON", m.cluster_bones, b => (u32_at(b, 0), f32s::<3>(b, 4)), r => (r.bone, r.extent));
     same!(b"REFS", m.references, b => u32_at(b, 0), r => *r);
+    same!(b"RBOX", m.reference_boxes, b => (u16s(b, 0), u16s(b, 6)), r => (r.min, r.max));
 
     // The fixture's trees, by what they were made from: leaf, inner node on axis 0 at 0.5, and leaves.
     let words: Vec<[u32; 2]> = rows(b"KDND").iter().map(|bytes| u32s(bytes, 0)).collect();
@@ -205,7 +211,7 @@ fn rows_are_as_the_text_says() {
 }
 
 /// Where the vertices of a cache are in its space, per segment and key.
-fn positions_of_cache(cache: u32) -> Vec<Vec<Vec<[f32; 3]>>> {
+pub fn positions_of_cache(cache: u32) -> Vec<Vec<Vec<[f32; 3]>>> {
     let cache = rows(b"CACH")[cache as usize];
     let part = rows(b"PART")[u32_at(cache, 0) as usize];
     let (first, count) = (u32_at(cache, 12) as usize, u32_at(cache, 16) as usize);

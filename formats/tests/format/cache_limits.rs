@@ -2,7 +2,7 @@
 
 use crate::fixture::model;
 use restpose_formats::{
-    rows::{ClipRow, ClusterRow, KeyVertexRow, MotionClass, SegmentRow, TriangleRow},
+    rows::{ClipRow, ClusterRow, KeyVertexRow, MotionClass, ReferenceBoxRow, SegmentRow, TriangleRow},
     write,
 };
 
@@ -62,6 +62,7 @@ fn segments_without_clusters_do_not_cost_as_much_as_their_part_has_triangles() {
     m.cluster_bones.truncate(5);
     m.kd_nodes.truncate(5);
     m.references.truncate(6);
+    m.reference_boxes.truncate(6);
     m.keys.clear();
     m.tracks.truncate(1);
     m.segments.truncate(1);
@@ -135,5 +136,7 @@ fn a_long_vertex_in_many_clusters_is_looked_at_once() {
     m.kd_nodes.splice(5..6, vec![m.kd_nodes[5]; COUNT as usize]);
     m.cluster_bones.splice(5..6, vec![m.cluster_bones[5]; COUNT as usize]);
     m.references.splice(6..7, 9..9 + COUNT);
+    m.reference_boxes
+        .splice(6..7, vec![ReferenceBoxRow::default(); COUNT as usize]);
     assert_eq!(write(&m).err(), None);
 }

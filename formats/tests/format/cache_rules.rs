@@ -10,7 +10,7 @@ use restpose_formats::{
     RowFault::*,
     SectionKind::*,
     geom::Aabb,
-    rows::{CacheRow, InfluenceRow, KdNode, KdNodeRow, KeyRow, MotionClass, NONE},
+    rows::{CacheRow, InfluenceRow, KdNode, KdNodeRow, KeyRow, MotionClass, NONE, ReferenceBoxRow},
 };
 
 rules! {
@@ -232,6 +232,12 @@ rules! {
         }
         => at!(Clusters, 7, Count { field: "reference_count", found: 2, expected: 1 }),
 
+    boxes_in_free_motion_have_no_least_corner:
+        |m| m.reference_boxes[10] = ReferenceBoxRow { min: [0, 0, 1], max: [0, 0, 1] }
+        => at!(ReferenceBoxes, 10, ReservedNotZero { field: "box" }),
+    boxes_in_free_motion_have_no_greatest_corner:
+        |m| m.reference_boxes[6].max[1] = 1 => at!(ReferenceBoxes, 6, ReservedNotZero { field: "box" }),
+
     triangles_with_a_cache_are_in_no_cluster_without_a_track:
         |m| m.references[0] = 6 => at!(References, 0, TriangleNeedsTrack { triangle: 6 }),
     triangles_without_a_cache_are_in_no_cluster_with_a_track:
@@ -244,6 +250,7 @@ rules! {
     a_triangle_with_area_belongs_to_a_cluster_of_every_segment:
         |m| {
             m.references.pop();
+            m.reference_boxes.pop();
             m.clusters[7].reference_count = 0;
             m.clusters[7].triangle_count = 0;
             m.clusters[7].cluster_bone_count = 0;

@@ -83,7 +83,7 @@ fn section_count() {
     assert_eq!(
         error,
         FormatError::SectionMissing {
-            section: SectionKind::References
+            section: SectionKind::ReferenceBoxes
         }
     );
     let error = error_of(|header| header.section_count = 0);

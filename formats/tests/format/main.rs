@@ -3,6 +3,7 @@
 #[path = "../fixture/mod.rs"]
 mod fixture;
 
+mod bare_boxes;
 mod bare_reader;
 mod broken;
 mod cache_limits;

@@ -75,6 +75,7 @@ fn a_model_without_caches_round_trips() {
     model.cluster_bones.truncate(5);
     model.kd_nodes.truncate(5);
     model.references.truncate(6);
+    model.reference_boxes.truncate(6);
     let bytes = write(&model).unwrap();
     assert_eq!(read_copy(&bytes), Ok(model));
 }

@@ -12,8 +12,8 @@ use restpose_formats::{
     SectionKind::*,
     geom::Aabb,
     rows::{
-        BoneRow, ChannelRow, ClipRow, InfluenceRow, KdNode, KdNodeRow, Local, MorphSetRow, NONE, NodeRow, SampleRow,
-        TriangleRow, VertexRow,
+        BoneRow, ChannelRow, ClipRow, InfluenceRow, KdNode, KdNodeRow, Local, MorphSetRow, NONE, NodeRow,
+        ReferenceBoxRow, SampleRow, TriangleRow, VertexRow,
     },
     write,
 };
@@ -336,6 +336,15 @@ rules! {
         => at!(Triangles, 1, TriangleInNoCluster),
     a_degenerate_triangle_belongs_to_no_cluster:
         |m| m.references[5] = 5 => at!(References, 5, DegenerateReferenced { triangle: 5 }),
+
+    every_reference_has_a_box:
+        |m| { m.reference_boxes.pop(); } => RowCount { section: ReferenceBoxes, expected: 11, found: 10 },
+    no_box_is_without_a_reference:
+        |m| m.reference_boxes.push(m.reference_boxes[0])
+        => RowCount { section: ReferenceBoxes, expected: 11, found: 12 },
+    boxes_are_not_empty:
+        |m| (m.reference_boxes[8].min[2], m.reference_boxes[8].max[2]) = (9, 8)
+        => at!(ReferenceBoxes, 8, EmptyBox { field: "box", axis: 2, min: 9.0, max: 8.0 }),
 }
 
 fn inner(split: f32, left: u32) -> KdNodeRow {
@@ -373,6 +382,15 @@ fn a_triangle_may_stand_in_several_leaves() {
     let mut model = model();
     model.kd_nodes[2] = leaf(0, 2);
     model.kd_nodes[3] = leaf(2, 1);
+    assert!(write(&model).is_ok());
+}
+
+#[test]
+fn boxes_may_lie_in_a_plane_and_fill_the_lattice() {
+    let mut model = model();
+    model.reference_boxes[2].min = [0, 0, 65535];
+    model.reference_boxes[2].max = [65535; 3];
+    model.reference_boxes[7] = ReferenceBoxRow::default();
     assert!(write(&model).is_ok());
 }
 
