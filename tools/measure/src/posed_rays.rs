@@ -4,13 +4,13 @@ use crate::{
 use rayon::ThreadPool;
 use restpose_bake::verify::{Oracle, RayKind, Rays};
 use restpose_formats::rows::SampleRow;
-use restpose_runtime::{Asset, FrameStats, Scene};
+use restpose_runtime::{Asset, Frame, FrameStats, InstanceId, Scene};
 use std::sync::Arc;
 
 /// Which rays are traced in a pose, and how often.
 pub(crate) struct RaySettings<'a> {
-    pub view: &'a View,
-    /// Pixels of a side of the picture.
+    pub cameras: &'a [Camera],
+    /// Pixels of a side of a picture.
     pub picture_side: u32,
     pub random_rays: u32,
     pub repeats: u32,
@@ -18,9 +18,18 @@ pub(crate) struct RaySettings<'a> {
     pub pools: &'a [ThreadPool],
 }
 
+/// Where camera rays come from.
+pub(crate) enum Camera {
+    /// From here in every pose.
+    Fixed(View),
+    /// From where the pose fills the picture.
+    Filled,
+}
+
 /// One pose, by fuzzy trees and by its static twin.
 pub(crate) struct PosedRays {
-    pub primary: RaySums,
+    /// Per camera.
+    pub cameras: Vec<RaySums>,
     pub random: RaySums,
     /// Of the fuzzy trees.
     pub stats: FrameStats,
@@ -52,17 +61,30 @@ impl PosedRays {
         let mut supply = Rays::new(&oracle, settings.seed);
         let random = (0..settings.random_rays).map(|_| supply.ray(RayKind::Random)).collect();
         let random = CheckedRays::new(frames, &oracle, random, place)?;
-        let primary = CheckedRays::new(frames, &oracle, settings.view.rays(settings.picture_side), place)?;
-
         let mut out = Self {
-            primary: RaySums::default(),
+            cameras: Vec::with_capacity(settings.cameras.len()),
             random: RaySums::default(),
             stats: *frame.stats(),
             static_build_seconds: twin.report.seconds.build,
             static_box_area: twin.report.fuzzy_box_area,
         };
-        out.primary.add(&primary, frames, settings.repeats, settings.pools)?;
         out.random.add(&random, frames, settings.repeats, settings.pools)?;
+        for camera in settings.cameras {
+            let rays = match camera {
+                Camera::Fixed(view) => view.rays(settings.picture_side),
+                Camera::Filled => View::filled_by(&corners(&frame, instance, asset)).rays(settings.picture_side),
+            };
+            let rays = CheckedRays::new(frames, &oracle, rays, place)?;
+            let mut sums = RaySums::default();
+            sums.add(&rays, frames, settings.repeats, settings.pools)?;
+            out.cameras.push(sums);
+        }
         Ok(out)
     }
+}
+
+/// The corners of all triangles.
+fn corners(frame: &Frame, instance: InstanceId, asset: &Asset) -> Vec<[f32; 3]> {
+    let corners = asset.model().triangles.iter().flat_map(|row| row.corners);
+    corners.filter_map(|vertex| frame.vertex(instance, vertex)).collect()
 }

@@ -12,7 +12,7 @@ const TOWARDS_EYE: [f64; 3] = [0.5, 0.35, 1.0];
 /// A camera that sees a whole box, from a fixed direction.
 pub(crate) struct View {
     eye: [f64; 3],
-    /// Right, up, forward; right and up as long as half the picture.
+    /// Right and up as long as half the picture; to the picture's middle, with a part of length one along the view.
     axes: [[f64; 3]; 3],
 }
 
@@ -49,6 +49,36 @@ impl View {
                 right.map(|x| x * HALF_WIDTH),
                 up.map(|x| x * HALF_WIDTH),
                 back.map(|x| -x),
+            ],
+        }
+    }
+
+    /// The view of one pose, from the same direction: it touches two opposite borders of the picture.
+    pub(crate) fn filled_by(points: &[[f32; 3]]) -> Self {
+        let whole = Self::of(&Aabb::around(points.iter().copied()));
+        let [right, up, forward] = whole.axes;
+        let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| a[k] * b[k]).sum::<f64>();
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for point in points {
+            let from_eye = std::array::from_fn(|k| f64::from(point[k]) - whole.eye[k]);
+            let depth = dot(forward, from_eye) * HALF_WIDTH * HALF_WIDTH;
+            for (axis, own) in [right, up].into_iter().enumerate() {
+                let at = dot(own, from_eye) / depth;
+                low[axis] = low[axis].min(at);
+                high[axis] = high[axis].max(at);
+            }
+        }
+        let half = (0..2).map(|axis| 0.5 * (high[axis] - low[axis])).fold(0.0, f64::max);
+        if !(half.is_finite() && half > 0.0) {
+            return whole;
+        }
+        let center: [f64; 2] = std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]));
+        Self {
+            eye: whole.eye,
+            axes: [
+                right.map(|x| x * half),
+                up.map(|x| x * half),
+                std::array::from_fn(|k| forward[k] + center[0] * right[k] + center[1] * up[k]),
             ],
         }
     }
@@ -104,6 +134,39 @@ mod tests {
             }
             assert!((0.4..=1.0).contains(&largest), "{largest}");
         }
+    }
+
+    #[test]
+    fn a_pose_touches_two_opposite_borders() {
+        let points = [[3.0, 1.0, 0.0], [4.0, 1.5, 0.1], [3.5, 1.2, -0.4], [3.2, 1.1, 0.3]];
+        let rays = View::filled_by(&points).rays(64);
+        let whole = View::of(&Aabb::around(points));
+        let seen = |ray: &Ray| {
+            seen_at(
+                &whole,
+                std::array::from_fn(|k| f64::from(ray.origin[k] + ray.direction[k])),
+            )
+        };
+        let places = points.map(|point| seen_at(&whole, point.map(f64::from)));
+        let (first, last) = (seen(&rays[0]), seen(&rays[64 * 64 - 1]));
+        // The outermost rays run half a pixel of 64 inside the border.
+        let pixel = (last[0] - first[0]) / 63.0;
+        let borders = [
+            [first[0] - 0.5 * pixel, last[0] + 0.5 * pixel],
+            [last[1] - 0.5 * pixel, first[1] + 0.5 * pixel],
+        ];
+        let mut touched = 0;
+        for axis in 0..2 {
+            let low = places.iter().fold(f64::INFINITY, |low, place| low.min(place[axis]));
+            let high = places
+                .iter()
+                .fold(f64::NEG_INFINITY, |high, place| high.max(place[axis]));
+            // f32 rays.
+            assert!(low >= borders[axis][0] - 1e-4 && high <= borders[axis][1] + 1e-4);
+            touched += usize::from(low - borders[axis][0] < 1e-4 && borders[axis][1] - high < 1e-4);
+        }
+        assert_eq!(touched, 1);
+        assert_eq!(View::filled_by(&[[1.0; 3]]).rays(1).len(), 1, "a point");
     }
 
     #[test]

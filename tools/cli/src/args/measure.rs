@@ -1,4 +1,7 @@
-use super::values;
+use super::{
+    keyframed::{KeptFramesArgs, KeyframedArgs},
+    values::{self, ClassOverride},
+};
 use clap::{Args, Subcommand};
 use std::{num::NonZeroUsize, path::PathBuf};
 
@@ -14,6 +17,8 @@ pub struct MeasureArgs {
 pub enum MeasureTable {
     /// Frame updates and rays against the number of triangles, beside a static tree built anew for each frame
     Frame(FrameArgs),
+    /// A keyframed animation's clusters, and its rays beside a kd-tree rebuilt for every frame
+    Motion(MotionArgs),
 }
 
 /// Options of `measure frame`.
@@ -33,4 +38,46 @@ pub struct FrameArgs {
     /// Thread counts to measure, such as 1,2,8; each 1 to 1024 [default: 1 and what --threads says]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = values::threads)]
     pub thread_counts: Vec<NonZeroUsize>,
+}
+
+/// Options of `measure motion`.
+///
+/// Motion is free only where that is asked for: there are no clusters to measure in it.
+#[derive(Debug, Args)]
+#[command(mut_arg("rays_per_frame", |arg| arg.default_value("0")))]
+pub struct MotionArgs {
+    /// One scene: an OBJ mesh and the vertex cache that moves it (.pc2 or .mdd), OBJ files as frames in this order, a
+    /// folder of them, or a glTF 2.0 file (.gltf, .glb)
+    #[arg(required = true, value_name = "INPUT")]
+    pub inputs: Vec<PathBuf>,
+    /// Folder for motion.html (tables and plots) and motion.json; made if missing [default: no files]
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+    /// Times of the first clip whose rays are traced, 1 to 100000, spread evenly over its keys; every other one lies
+    /// between two keys
+    #[arg(long, value_name = "N", default_value_t = 25, value_parser = |text: &str| values::count(text, 100_000))]
+    pub poses: usize,
+    /// Width and height of the picture whose camera rays are traced, pixels, 1 to 8192
+    #[arg(long, value_name = "PIXELS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=8192))]
+    pub picture_side: u32,
+    /// Random rays per pose, 1 or more
+    #[arg(long, value_name = "N", default_value_t = 65_536, value_parser = clap::value_parser!(u32).range(1..))]
+    pub random_rays: u32,
+    /// Times that each set of rays is timed, 1 or more; the median counts
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    pub repeats: u32,
+    /// Thread counts of pictures, such as 1,2,8; each 1 to 1024; times per ray are those of the first [default: 1 and
+    /// what --threads says]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = values::threads)]
+    pub thread_counts: Vec<NonZeroUsize>,
+
+    #[command(flatten)]
+    pub frames: KeptFramesArgs,
+    #[command(flatten)]
+    pub keyframed: KeyframedArgs,
+
+    /// Motion class of a part, against the baker's own choice, as `bake` takes it; may be given again [default: the
+    /// baker decides]
+    #[arg(long = "class", value_name = "PART=CLASS", help_heading = "Motion classes")]
+    pub classes: Vec<ClassOverride>,
 }

@@ -1,18 +1,20 @@
 use super::Context;
 use crate::{
-    args::{FrameArgs, MeasureArgs, MeasureTable},
+    args::{FrameArgs, MeasureArgs, MeasureTable, MotionArgs},
     exit_code::ExitCode,
     failure::Failure,
     input_file,
     output::Answer,
     output_folder::OutputFolder,
     progress::StageSeconds,
+    source_files,
     table::Table,
 };
-use restpose_bake::import::import;
+use restpose_bake::{BakeSettings, import::import};
 use restpose_measure::{
     MeasureError,
-    frame::{COLUMNS, FrameReport, FrameSettings, LEGEND, measure_frame, page},
+    frame::{self, FrameReport, FrameSettings, measure_frame},
+    motion::{self, MotionReport, MotionSettings, measure_motion},
 };
 use serde::Serialize;
 use std::{
@@ -21,9 +23,9 @@ use std::{
 };
 
 #[derive(Serialize)]
-struct Report<'a> {
+struct Report<'a, M> {
     #[serde(flatten)]
-    measured: &'a FrameReport,
+    measured: &'a M,
     files: &'a [PathBuf],
     seconds: StageSeconds,
 }
@@ -32,6 +34,7 @@ struct Report<'a> {
 pub fn run(args: &MeasureArgs, context: &Context) -> Result<Answer, Failure> {
     match &args.table {
         MeasureTable::Frame(args) => frame(args, context),
+        MeasureTable::Motion(args) => motion(args, context),
     }
 }
 
@@ -50,27 +53,72 @@ fn frame(args: &FrameArgs, context: &Context) -> Result<Answer, Failure> {
     }
     let measured =
         measure_frame(&source.animation, &settings, &context.reporter).map_err(|error| failure(&args.source, error))?;
-    let files = match folder {
-        Some(folder) => write(&measured, folder)?,
-        None => Vec::new(),
-    };
-    let report = Report {
-        measured: &measured,
-        files: &files,
-        seconds: context.reporter.finish(),
-    };
-    Answer::new(&report, text(&measured, &files))
+    let files = write("frame", &measured, &frame::page(&measured), folder)?;
+    answer(&measured, frame_lines(&measured), &files, context)
 }
 
-fn write(measured: &FrameReport, mut folder: OutputFolder) -> Result<Vec<PathBuf>, Failure> {
+fn motion(args: &MotionArgs, context: &Context) -> Result<Answer, Failure> {
+    source_files::check(&args.inputs)?;
+    let folder = args.output.as_deref().map(OutputFolder::prepare).transpose()?;
+    context.reporter.stage("import", 0);
+    let source = source_files::import(&args.inputs, &args.frames.settings())?;
+    let bake = BakeSettings {
+        class_overrides: args
+            .classes
+            .iter()
+            .map(|class| (class.part.clone(), class.class))
+            .collect(),
+        ..args.keyframed.settings()
+    };
+    let mut settings = MotionSettings {
+        poses: args.poses,
+        picture_side: args.picture_side,
+        random_rays: args.random_rays,
+        repeats: args.repeats,
+        ..MotionSettings::default()
+    };
+    if !args.thread_counts.is_empty() {
+        settings.threads = args.thread_counts.iter().copied().map(NonZeroUsize::get).collect();
+    }
+    let measured = measure_motion(&source.animation, &bake, &settings, &context.reporter)
+        .map_err(|error| failure(source_files::first(&args.inputs), error))?;
+    let files = write("motion", &measured, &motion::page(&measured), folder)?;
+    answer(&measured, motion_lines(&measured), &files, context)
+}
+
+fn answer(
+    measured: &impl Serialize,
+    mut lines: Vec<String>,
+    files: &[PathBuf],
+    context: &Context,
+) -> Result<Answer, Failure> {
+    let report = Report {
+        measured,
+        files,
+        seconds: context.reporter.finish(),
+    };
+    lines.extend(files.iter().map(|path| path.display().to_string()));
+    Answer::new(&report, lines.join("\n"))
+}
+
+/// Writes the page and the report, under this name, into the folder if there is one.
+fn write(
+    name: &str,
+    measured: &impl Serialize,
+    page: &str,
+    folder: Option<OutputFolder>,
+) -> Result<Vec<PathBuf>, Failure> {
+    let Some(mut folder) = folder else {
+        return Ok(Vec::new());
+    };
     let json = serde_json::to_vec(measured).map_err(|error| {
         Failure::new(
             ExitCode::Internal,
             format!("the report cannot be written as JSON: {error}"),
         )
     })?;
-    folder.add("frame.html", page(measured).as_bytes())?;
-    folder.add("frame.json", &json)?;
+    folder.add(&format!("{name}.html"), page.as_bytes())?;
+    folder.add(&format!("{name}.json"), &json)?;
     folder.publish()
 }
 
@@ -78,18 +126,27 @@ fn failure(source: &Path, error: MeasureError) -> Failure {
     let code = match &error {
         MeasureError::Bake(error) => return Failure::bake(source, error),
         MeasureError::Setting { .. } | MeasureError::TooManyTriangles { .. } => ExitCode::CommandLine,
+        MeasureError::NoClip { .. } => ExitCode::InvalidInput,
         MeasureError::WrongHit(_) => ExitCode::VerificationFailed,
         _ => ExitCode::Internal,
     };
     Failure::at(code, source, format!("{}: {error}", source.display()))
 }
 
-fn text(measured: &FrameReport, files: &[PathBuf]) -> String {
-    let mut table = Table::new(COLUMNS);
+fn frame_lines(measured: &FrameReport) -> Vec<String> {
+    let mut table = Table::new(frame::COLUMNS);
     for row in &measured.rows {
         table.add(row.cells());
     }
-    let mut lines = vec![table.to_string(), String::new(), LEGEND.to_owned()];
-    lines.extend(files.iter().map(|path| path.display().to_string()));
-    lines.join("\n")
+    vec![table.to_string(), String::new(), frame::LEGEND.to_owned()]
+}
+
+fn motion_lines(measured: &MotionReport) -> Vec<String> {
+    let mut table = Table::new(motion::COLUMNS);
+    table.add(measured.primary.cells("camera"));
+    table.add(measured.wide.cells("wide camera"));
+    table.add(measured.random.cells("random"));
+    let mut lines = vec![table.to_string(), String::new(), motion::LEGEND.to_owned()];
+    lines.extend(measured.facts());
+    lines
 }

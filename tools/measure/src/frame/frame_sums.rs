@@ -24,7 +24,9 @@ impl FrameSums {
         self.frames += 1;
         self.static_build_ms.push(pose.static_build_seconds * 1e3);
         self.static_box_area += pose.static_box_area;
-        self.primary += &pose.primary;
+        for camera in &pose.cameras {
+            self.primary += camera;
+        }
         self.random += &pose.random;
     }
 

@@ -16,7 +16,7 @@ pub use settings::FrameSettings;
 
 use crate::{
     MeasureError, Place,
-    posed_rays::{PosedRays, RaySettings},
+    posed_rays::{Camera, PosedRays, RaySettings},
     spread::spread,
     thread_pools::thread_pools,
     view::View,
@@ -46,21 +46,18 @@ pub fn measure_frame(
     let total: u64 = (0..=settings.subdivide_max).map(weight).sum();
     progress.stage("measure", total * (settings.frames as u64 + 1));
     let mut rows = Vec::new();
-    let mut view: Option<View> = None;
+    let mut cameras = Vec::new();
     for subdivisions in 0..=settings.subdivide_max {
         let baked = BakedLevel::new(animation, subdivisions, &pools)?;
         progress.advance(weight(subdivisions));
         let all = baked.asset.model().samples;
         let samples = spread(settings.frames, all.len());
-        let view = match &view {
-            Some(view) => view,
-            None => {
-                let poses: Vec<SampleRow> = samples.iter().map(|sample| all[*sample]).collect();
-                view.insert(View::of_poses(&baked.asset, &poses)?)
-            }
-        };
+        if cameras.is_empty() {
+            let poses: Vec<SampleRow> = samples.iter().map(|sample| all[*sample]).collect();
+            cameras.push(Camera::Fixed(View::of_poses(&baked.asset, &poses)?));
+        }
         let rays = RaySettings {
-            view,
+            cameras: &cameras,
             picture_side: settings.picture_side,
             random_rays: settings.random_rays,
             repeats: settings.repeats,

@@ -22,7 +22,7 @@ use crate::{
     MeasureError, Place,
     clock::update_times_us,
     peak_memory::peak_memory_bytes,
-    posed_rays::{PosedRays, RaySettings},
+    posed_rays::{Camera, PosedRays, RaySettings},
     ray_sums::RaySums,
     statistics::median,
     thread_pools::thread_pools,
@@ -77,9 +77,9 @@ pub fn measure_motion(
         .collect();
     progress.stage("measure", poses.len() as u64);
     let updates = update_times_us(&asset, &poses, settings.updates as usize)?;
-    let view = View::of_poses(&asset, &poses)?;
+    let cameras = [Camera::Filled, Camera::Fixed(View::of_poses(&asset, &poses)?)];
     let rays = RaySettings {
-        view: &view,
+        cameras: &cameras,
         picture_side: settings.picture_side,
         random_rays: settings.random_rays,
         repeats: settings.repeats,
@@ -93,8 +93,7 @@ pub fn measure_motion(
         let place = Place::Time { seconds: time.seconds };
         let posed = PosedRays::measure(&asset, pose, place, &rays)?;
         let frame = frame(time, &posed, median(&mut updates), &parts, &settings.threads);
-        sums.primary += &posed.primary;
-        sums.random += &posed.random;
+        sums.add(&posed);
         frames.push(frame);
         progress.advance(1);
     }
@@ -121,25 +120,42 @@ pub fn measure_motion(
         intersections_ratio: primary.intersections_ratio,
         time_ratio: primary.time_ratio,
         primary,
+        wide: Comparison::new(&sums.wide.cost(0)),
         random: Comparison::new(&sums.random.cost(0)),
         frame_rates: mean_rates(&frames),
         update_us: mean(|frame| frame.update_us),
         static_build_ms: mean(|frame| frame.static_build_ms),
-        brute_force_rays: sums.primary.brute_force_rays + sums.random.brute_force_rays,
+        brute_force_rays: sums.brute_force_rays(),
         growth: mean_growth(segments().map(|segment| segment.growth.as_slice())),
         parts,
         frames,
     })
 }
 
+/// Over all poses.
 #[derive(Default)]
 struct Sums {
     primary: RaySums,
+    wide: RaySums,
     random: RaySums,
 }
 
+impl Sums {
+    fn add(&mut self, posed: &PosedRays) {
+        for (sum, own) in [&mut self.primary, &mut self.wide].into_iter().zip(&posed.cameras) {
+            *sum += own;
+        }
+        self.random += &posed.random;
+    }
+
+    fn brute_force_rays(&self) -> u64 {
+        self.primary.brute_force_rays + self.wide.brute_force_rays + self.random.brute_force_rays
+    }
+}
+
 fn frame(time: &ClipTime, posed: &PosedRays, update_us: f64, parts: &[CachedPart], threads: &[usize]) -> MotionFrame {
-    let primary = Comparison::new(&posed.primary.cost(0));
+    let [filled, wide] = [0, 1].map(|camera: usize| &posed.cameras[camera]);
+    let primary = Comparison::new(&filled.cost(0));
     let segments = parts
         .iter()
         .map(|part| &part.segments)
@@ -147,7 +163,7 @@ fn frame(time: &ClipTime, posed: &PosedRays, update_us: f64, parts: &[CachedPart
     let covers = |segment: &MotionSegment| time.cache_frame.is_some_and(|frame| frame <= segment.key_last as f64);
     let segment = segments.and_then(|segments| segments.iter().position(covers));
     let rate = |(pool, threads): (usize, &usize)| {
-        let cost = posed.primary.cost(pool);
+        let cost = filled.cost(pool);
         let seconds = |mrays: f64| cost.rays as f64 / mrays / 1e6;
         FrameRate {
             threads: *threads,
@@ -170,6 +186,7 @@ fn frame(time: &ClipTime, posed: &PosedRays, update_us: f64, parts: &[CachedPart
         intersections_ratio: primary.intersections_ratio,
         time_ratio: primary.time_ratio,
         primary,
+        wide: Comparison::new(&wide.cost(0)),
         random: Comparison::new(&posed.random.cost(0)),
         frame_rates: threads.iter().enumerate().map(rate).collect(),
         update_us,

@@ -13,6 +13,7 @@ pub fn page(report: &MotionReport) -> String {
         &COLUMNS,
         [
             report.primary.cells("camera").to_vec(),
+            report.wide.cells("wide camera").to_vec(),
             report.random.cells("random").to_vec(),
         ],
     );

@@ -36,14 +36,16 @@ pub struct MotionReport {
     pub bake_peak_bytes: Option<u64>,
     /// File size, bytes.
     pub file_bytes: u64,
-    /// Steps ratio of camera rays over all poses.
+    /// Steps ratio of `primary`.
     pub steps_ratio: f64,
-    /// Intersections ratio of camera rays over all poses.
+    /// Intersections ratio of `primary`.
     pub intersections_ratio: f64,
-    /// Time ratio of camera rays over all poses, frame updates and tree builds not counted.
+    /// Time ratio of `primary`, frame updates and tree builds not counted.
     pub time_ratio: f64,
-    /// Camera rays over all poses.
+    /// Rays of a camera that follows: every pose fills its picture. Over all poses.
     pub primary: Comparison,
+    /// Rays of a camera that sees all poses from one place.
+    pub wide: Comparison,
     /// Incoherent rays over all poses.
     pub random: Comparison,
     /// Pictures of all poses, per number of threads.
@@ -224,14 +226,16 @@ pub struct MotionFrame {
     pub clusters_without_inverse: u32,
     /// Key whose positions are the rest pose of the first vertex cache.
     pub rest_frame: Option<u64>,
-    /// Of camera rays.
+    /// Of `primary`.
     pub steps_ratio: f64,
-    /// Of camera rays.
+    /// Of `primary`.
     pub intersections_ratio: f64,
-    /// Of camera rays.
+    /// Of `primary`.
     pub time_ratio: f64,
-    /// Camera rays.
+    /// Rays of the camera that follows.
     pub primary: Comparison,
+    /// Rays of the camera that sees all poses.
+    pub wide: Comparison,
     /// Incoherent rays.
     pub random: Comparison,
     /// Pictures of this pose, per number of threads.
@@ -323,7 +327,7 @@ pub const COLUMNS: [&str; 11] = [
 ];
 
 /// What the titles mean.
-pub const LEGEND: &str = "all per ray; static: the same rays and a kd-tree built over the posed triangles of that frame; \
+pub const LEGEND: &str = "camera: the pose fills the picture; wide camera: all poses are in it; all per ray; static: the same rays and a kd-tree built over the posed triangles of that frame; \
                           ns: without frame update and tree build";
 
 impl Comparison {
