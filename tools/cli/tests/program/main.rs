@@ -1,5 +1,6 @@
 //! The built program as a user meets it: help, messages, exit codes, output, files.
 
+mod bad_caches;
 mod bad_files;
 mod bake;
 mod command_line;
