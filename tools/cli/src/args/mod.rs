@@ -13,7 +13,7 @@ mod verify;
 pub use bake::{BakeArgs, BoundsKind};
 pub use demo::DemoArgs;
 pub use file::{InfoArgs, ValidateArgs};
-pub use measure::{FrameArgs, MeasureArgs, MeasureTable};
+pub use measure::{FrameArgs, MeasureArgs, MeasureTable, MotionArgs};
 pub use render::{RenderArgs, SamplesPerPixel, View};
 pub use values::{Size, Vector};
 pub use verify::VerifyArgs;
