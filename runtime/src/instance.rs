@@ -4,7 +4,8 @@ use crate::{
     cache::CacheState,
     cluster_frame::{ClusterFrame, FrameInputs, Map64, PosedMap, Way, invert_frame},
     posed_tree::PosedTree,
-    vertex::{pose_triangle, reach},
+    vertex::{pose_vertex, reach},
+    vertex_memo::VertexMemo,
 };
 use restpose_formats::{
     ModelView,
@@ -26,6 +27,8 @@ pub(crate) struct Instance {
     caches: Vec<CacheState>,
     /// What this frame traces: clusters without a track, then those of each cache's present segment.
     pub clusters: Vec<Active>,
+    /// Vertices posed in this frame.
+    memo: VertexMemo,
     /// Trees of clusters in free motion, by the order of these among `clusters`.
     pub trees: Vec<PosedTree>,
 }
@@ -53,6 +56,7 @@ impl Instance {
             bones: Vec::new(),
             caches: Vec::new(),
             clusters: Vec::new(),
+            memo: VertexMemo::new(asset.model().vertices.len()),
             trees: Vec::new(),
         }
     }
@@ -61,6 +65,7 @@ impl Instance {
     pub(crate) fn update(&mut self, builder: &mut KdBuilder) {
         let asset = Arc::clone(&self.asset);
         let model = asset.model();
+        self.memo.forget();
         let transform = Map64::new(&self.transform);
         let posed = |x: &Affine| PosedMap::product(&[&transform, &Map64::new(x)]);
         self.bones.clear();
@@ -209,22 +214,21 @@ impl Instance {
     /// Poses a triangle's corners in world space. `cache` is that of its part.
     #[inline]
     pub(crate) fn pose_triangle(&self, cache: u32, triangle: u32) -> [[f32; 3]; 3] {
-        let model = self.asset.model();
-        if cache == NONE {
-            return pose_triangle(model, &self.posed, &self.pose.morph_weights, triangle);
-        }
-        let state = &self.caches[cache as usize];
-        model.triangles[triangle as usize]
+        self.asset.model().triangles[triangle as usize]
             .corners
-            .map(|corner| state.pose_vertex(model, corner))
+            .map(|corner| self.pose_vertex(cache, corner))
     }
 
-    /// Poses a vertex in world space. `cache` is that of its part.
+    /// Poses a vertex in world space, once per frame. `cache` is that of its part.
+    #[inline]
     pub(crate) fn pose_vertex(&self, cache: u32, vertex: u32) -> [f32; 3] {
-        let model = self.asset.model();
-        if cache == NONE {
-            return crate::vertex::pose_vertex(model, &self.posed, &self.pose.morph_weights, vertex);
-        }
-        self.caches[cache as usize].pose_vertex(model, vertex)
+        self.memo.position(vertex, || {
+            let model = self.asset.model();
+            if cache == NONE {
+                pose_vertex(model, &self.posed, &self.pose.morph_weights, vertex)
+            } else {
+                self.caches[cache as usize].pose_vertex(model, vertex)
+            }
+        })
     }
 }

@@ -47,6 +47,7 @@ mod surface;
 mod trace;
 pub mod triangle;
 mod vertex;
+mod vertex_memo;
 
 pub use asset::Asset;
 pub use cluster_frame::invert_frame;

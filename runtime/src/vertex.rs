@@ -35,19 +35,6 @@ pub(crate) fn pose_vertex(model: &ModelView, palette: &[Affine], morph_weights: 
     sum
 }
 
-/// Poses a triangle's corners. `triangle` is a triangle row.
-#[inline]
-pub(crate) fn pose_triangle(
-    model: &ModelView,
-    palette: &[Affine],
-    morph_weights: &[f32],
-    triangle: u32,
-) -> [[f32; 3]; 3] {
-    model.triangles[triangle as usize]
-        .corners
-        .map(|corner| pose_vertex(model, palette, morph_weights, corner))
-}
-
 /// The greatest magnitudes, per world axis, that enter the posed vertices of a cluster: over the bones or tracks that move
 /// them, what `reach_of` makes of the row and the extent of the points that it moves.
 pub(crate) fn reach(model: &ModelView, cluster: &ClusterRow, reach_of: impl Fn(u32, [f64; 3]) -> [f64; 3]) -> [f64; 3] {

@@ -1,4 +1,4 @@
-use crate::{BakeError, Progress, assemble::row_count, cost::FUZZY_TREE, motion::Carried};
+use crate::{BakeError, Progress, assemble::row_count, cost::fuzzy_tree, motion::Carried};
 use rayon::prelude::*;
 use restpose_formats::{
     Model,
@@ -20,7 +20,7 @@ pub(crate) fn add_clusters(
         .map(|group| {
             let boxes: Vec<Aabb> = group.iter().map(|carried| carried.fuzzy_box).collect();
             let mut tree = KdTree::default();
-            KdBuilder::new().build(&boxes, &FUZZY_TREE, &mut tree);
+            KdBuilder::new().build(&boxes, &fuzzy_tree(), &mut tree);
             debug_assert_eq!(tree.validate(&boxes), Ok(()));
             progress.advance(group.len() as u64);
             tree

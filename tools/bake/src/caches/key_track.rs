@@ -1,6 +1,7 @@
 use crate::bounds::FuzzyBox;
 use restpose_formats::geom::Affine;
 use restpose_runtime::invert_frame;
+use std::ops::RangeInclusive;
 
 /// Rows of a 3 × 3 matrix.
 type Rows = [[f64; 3]; 3];
@@ -67,6 +68,16 @@ impl KeyTrack {
             })
             .collect();
         Self { maps, inverses, bends }
+    }
+
+    /// The same track over some of its keys.
+    pub(crate) fn over(&self, keys: RangeInclusive<usize>) -> Self {
+        let intervals = *keys.start()..*keys.end();
+        Self {
+            maps: self.maps[keys.clone()].to_vec(),
+            inverses: self.inverses[keys].to_vec(),
+            bends: self.bends[intervals].to_vec(),
+        }
     }
 
     /// The maps, one per key.

@@ -1,21 +1,21 @@
 use super::{
     homes::{shared_points, weld},
-    report::{CacheReport, SegmentReport},
+    report::CacheReport,
     rows,
     segment::{PartKeys, Segment},
     split::split_in_time,
 };
 use crate::{
     BakeError, BakeSettings, Progress,
-    cost::{FUZZY_TREE, expected_cost, is_free},
+    cost::{expected_cost, fuzzy_tree, is_free},
     import::Animation,
     motion::Classified,
     motion::keyframed::{DecomposeSettings, TrackKind},
 };
 use restpose_formats::{
     Model,
-    geom::Aabb,
-    rows::{CacheRow, MotionClass, NONE},
+    geom::{Aabb, round::f32_above},
+    rows::{CacheRow, KeyVertexRow, MotionClass, NONE},
 };
 use restpose_runtime::build::{KdBuilder, KdTree};
 use std::borrow::Cow;
@@ -80,14 +80,18 @@ fn add_cache(
     };
     let last = keys.frames.len() - 1;
     let whole = Segment::new(&keys, 0..=last, &decompose, budget, progress)?;
-    let rebuilt = rebuilt_cost(&keys);
     let (one_cost, one_bytes) = (whole.cost, whole.byte_count());
-    let counts = KindCounts::new(&whole);
-    let all_rigid = counts.coherent_triangles == 0 && whole.clusters.len() == 1;
-    let (found, numbers) = if all_rigid {
+    let segments = match class.asked {
+        Some(MotionClass::Free) => vec![whole],
+        _ => split_in_time(&keys, whole, &settings.segments, &decompose, budget, progress)?,
+    };
+    let fuzzy = mean_cost(&segments);
+    let rebuilt = rebuilt_cost(&keys);
+    let counts = KindCounts::new(&segments);
+    let (found, numbers) = if counts.coherent_triangles == 0 && segments.iter().all(|one| one.clusters.len() == 1) {
         (MotionClass::Rigid, "one map moves all of it".to_owned())
     } else {
-        let free = is_free(whole.cost, rebuilt, triangles.len(), settings.rays_per_frame);
+        let free = is_free(fuzzy, rebuilt, triangles.len(), settings.rays_per_frame);
         let class = if free {
             MotionClass::Free
         } else {
@@ -95,13 +99,13 @@ fn add_cache(
         };
         (class, counts.text())
     };
-    class.decide(part_name(animation, part), found, |asked| {
+    class.decide(&animation.parts[part].name, found, |asked| {
         let kind = if asked { "asked for; " } else { "" };
-        format!("{kind}{numbers}; expected steps per ray {one_cost:.1}, rebuilt every frame {rebuilt:.1}")
+        format!("{kind}{numbers}; expected steps per ray {fuzzy:.1}, rebuilt every frame {rebuilt:.1}")
     })?;
 
     let mut report = CacheReport {
-        expected_cost: one_cost,
+        expected_cost: fuzzy,
         expected_cost_one_segment: one_cost,
         expected_cost_rebuilt: rebuilt,
         bytes_one_segment: one_bytes,
@@ -112,29 +116,13 @@ fn add_cache(
     let mut rest_key = 0;
     if class.class == MotionClass::Free {
         rows::add_free(model, cache, &keys.frames, vertex_count, &triangles)?;
-        report.bytes = (vertex_count * (12 * keys.frames.len() + 24)) as u64;
+        report.bytes = (vertex_count * (12 * keys.frames.len() + size_of::<KeyVertexRow>())) as u64;
     } else {
-        let segments = split_in_time(&keys, whole, &settings.segments, &decompose, budget, progress)?;
         rows::add_coherent(model, cache, &segments, &triangles)?;
         rest_key = segments[0].rest_key;
-        let intervals = |segment: &Segment| (segment.keys.end() - segment.keys.start()).max(1) as f64;
-        let all: f64 = segments.iter().map(intervals).sum();
-        report.expected_cost = segments
-            .iter()
-            .map(|segment| segment.cost * intervals(segment))
-            .sum::<f64>()
-            / all;
-        report.position_error = segments.iter().map(|segment| segment.stored.error).fold(0.0, f64::max);
-        report.bytes = segments.iter().map(Segment::byte_count).sum();
-        let position_bytes: usize = segments
-            .iter()
-            .map(|segment| 4 * segment.stored.words.len() + 24 * segment.stored.rows.len())
-            .sum();
-        report.bytes_per_vertex_key = position_bytes as f64 / (vertex_count * keys.frames.len()) as f64;
-        report.residual = segments.iter().map(|segment| residual(segment)).fold(0.0, f64::max);
-        report.segments = segments.iter().map(SegmentReport::new).collect();
+        report.add_segments(&segments, vertex_count);
     }
-    model.caches[cache].position_error = restpose_formats::geom::round::f32_above(report.position_error);
+    model.caches[cache].position_error = f32_above(report.position_error);
     let rows = &mut model.vertices[vertex_first..vertex_first + vertex_count];
     for (row, position) in rows.iter_mut().zip(keys.frames[rest_key].iter()) {
         row.position_rest = *position;
@@ -142,8 +130,15 @@ fn add_cache(
     Ok(report)
 }
 
-fn part_name(animation: &Animation, part: usize) -> &str {
-    &animation.parts[part].name
+/// Expected cost over all keys.
+fn mean_cost(segments: &[Segment]) -> f64 {
+    let intervals = |segment: &Segment| (segment.keys.end() - segment.keys.start()).max(1) as f64;
+    let all: f64 = segments.iter().map(intervals).sum();
+    segments
+        .iter()
+        .map(|segment| segment.cost * intervals(segment))
+        .sum::<f64>()
+        / all
 }
 
 /// The part's positions in every key, by the order of its vertices in the file.
@@ -220,7 +215,7 @@ fn rebuilt_cost(keys: &PartKeys) -> f64 {
             .map(|triangle| Aabb::around(triangle.map(|corner| frame[corner as usize])))
             .collect();
         let mut tree = KdTree::default();
-        KdBuilder::new().build(&boxes, &FUZZY_TREE, &mut tree);
+        KdBuilder::new().build(&boxes, &fuzzy_tree(), &mut tree);
         let bounds = [tree.bounds];
         expected_cost([(&tree, bounds.as_slice())].into_iter())
     };
@@ -238,9 +233,10 @@ struct KindCounts {
 }
 
 impl KindCounts {
-    fn new(segment: &Segment) -> Self {
+    fn new(segments: &[Segment]) -> Self {
         let mut out = Self::default();
-        for cluster in &segment.clusters {
+        // Triangles count once, as the first segment has them.
+        for cluster in segments.iter().take(1).flat_map(|segment| &segment.clusters) {
             let triangles = cluster.triangles.len();
             match cluster.kind {
                 TrackKind::Static => out.static_triangles += triangles,
@@ -289,9 +285,4 @@ pub(crate) fn cache_row(part: u32, bone: u32, key_count: u32) -> CacheRow {
         position_error: 0.0,
         reserved: [0; 2],
     }
-}
-
-/// Root of the mean squared residual of a segment, scene units.
-fn residual(segment: &Segment) -> f64 {
-    segment.report.steps.last().map_or(0.0, |step| step.residual)
 }

@@ -43,6 +43,20 @@ impl CacheReport {
             segments: Vec::new(),
         }
     }
+
+    /// Fills in what segments say.
+    pub(super) fn add_segments(&mut self, segments: &[Segment], vertex_count: usize) {
+        let greatest = |of: &dyn Fn(&Segment) -> f64| segments.iter().map(of).fold(0.0, f64::max);
+        self.position_error = greatest(&|segment| segment.stored.error);
+        self.residual = greatest(&|segment| segment.report.steps.last().map_or(0.0, |step| step.residual));
+        self.bytes = segments.iter().map(Segment::byte_count).sum();
+        let position_bytes: usize = segments
+            .iter()
+            .map(|segment| size_of_val(segment.stored.words.as_slice()) + size_of_val(segment.stored.rows.as_slice()))
+            .sum();
+        self.bytes_per_vertex_key = position_bytes as f64 / (vertex_count as f64 * self.keys as f64);
+        self.segments = segments.iter().map(SegmentReport::new).collect();
+    }
 }
 
 /// One time segment.

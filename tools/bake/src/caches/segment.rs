@@ -6,7 +6,7 @@ use super::{
 use crate::{
     BakeError, Progress,
     bounds::FuzzyBox,
-    cost::{FUZZY_TREE, expected_cost},
+    cost::{expected_cost, fuzzy_tree},
     motion::keyframed::{DecomposeReport, DecomposeSettings, Decomposition, KeyFrames, TrackKind, decompose_keys},
 };
 use rayon::prelude::*;
@@ -81,14 +81,46 @@ impl Segment {
             rest_key,
             report,
         } = decompose_keys(&input, settings, progress);
-        let tracks: Vec<KeyTrack> = clusters.iter().map(|track| KeyTrack::new(&track.from_local)).collect();
+        let tracks = clusters.iter().map(|track| KeyTrack::new(&track.from_local)).collect();
+        let kinds: Vec<TrackKind> = clusters.iter().map(|track| track.kind).collect();
+        let rest_key = keys.start() + rest_key;
+        Self::of_clusters(part, keys, (&kinds, tracks, &cluster_of), budget, (rest_key, report))
+    }
+
+    /// The same clusters over fewer keys: smaller boxes, and trees over these. `keys` count in the whole animation.
+    pub(crate) fn over(&self, part: &PartKeys, keys: RangeInclusive<usize>, budget: f64) -> Result<Self, BakeError> {
+        let own = keys.start() - self.keys.start()..=keys.end() - self.keys.start();
+        let kinds: Vec<TrackKind> = self.clusters.iter().map(|cluster| cluster.kind).collect();
+        let tracks = self
+            .clusters
+            .iter()
+            .map(|cluster| cluster.track.over(own.clone()))
+            .collect();
+        let mut cluster_of = vec![0; part.triangles.len()];
+        for (number, cluster) in (0u32..).zip(&self.clusters) {
+            for triangle in &cluster.triangles {
+                cluster_of[*triangle as usize] = number;
+            }
+        }
+        let found = (self.rest_key, self.report.clone());
+        Self::of_clusters(part, keys, (&kinds, tracks, &cluster_of), budget, found)
+    }
+
+    fn of_clusters(
+        part: &PartKeys,
+        keys: RangeInclusive<usize>,
+        (kinds, tracks, cluster_of): (&[TrackKind], Vec<KeyTrack>, &[u32]),
+        budget: f64,
+        (rest_key, report): (usize, DecomposeReport),
+    ) -> Result<Self, BakeError> {
+        let frames = &part.frames[keys.clone()];
+        let homes = homes(&part.weld, &part.triangles, cluster_of);
         let home = |(cluster, raw): (u32, &bool)| if *raw { Home::Raw } else { Home::Cluster(cluster) };
-        let homes = homes(&part.weld, &part.triangles, &cluster_of);
         let homes: Vec<Home> = homes.into_iter().zip(&part.raw).map(home).collect();
         let stored = StoredPositions::new(frames, &tracks, &homes, budget)?;
 
         let mut members = vec![Vec::new(); tracks.len()];
-        for (triangle, cluster) in (0u32..).zip(&cluster_of) {
+        for (triangle, cluster) in (0u32..).zip(cluster_of) {
             members[*cluster as usize].push(triangle);
         }
         let bounded: Vec<Bounded> = members
@@ -100,14 +132,14 @@ impl Segment {
             .par_iter()
             .map_init(KdBuilder::new, |builder, bounded| {
                 let mut tree = KdTree::default();
-                builder.build(&bounded.boxes, &FUZZY_TREE, &mut tree);
+                builder.build(&bounded.boxes, &fuzzy_tree(), &mut tree);
                 tree
             })
             .collect();
-        let parts = clusters.into_iter().zip(tracks).zip(members).zip(bounded).zip(trees);
+        let parts = kinds.iter().zip(tracks).zip(members).zip(bounded).zip(trees);
         let clusters: Vec<SegmentCluster> = parts
-            .map(|((((found, track), triangles), bounded), tree)| SegmentCluster {
-                kind: found.kind,
+            .map(|((((kind, track), triangles), bounded), tree)| SegmentCluster {
+                kind: *kind,
                 track,
                 triangles,
                 boxes: bounded.boxes,
@@ -121,7 +153,7 @@ impl Segment {
             .map(|cluster| (&cluster.tree, cluster.key_bounds.as_slice()));
         let cost = expected_cost(entered);
         Ok(Self {
-            rest_key: keys.start() + rest_key,
+            rest_key,
             keys,
             clusters,
             stored,

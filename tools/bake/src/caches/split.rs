@@ -10,7 +10,9 @@ const TRIED_PLACES: usize = 31;
 
 /// Splits `whole` in time while that pays: each step takes the segment that costs most over its keys, splits it where the
 /// boxes of both sides are smallest together, and keeps the split if the part of the cost that it saves is at least
-/// [`SegmentSettings::worth`] times the part of bytes that it adds.
+/// [`SegmentSettings::worth`] times the part of bytes that it adds. Until then all segments have the clusters of `whole`;
+/// at last each gets clusters of its own, which is where most is gained (CHICKEN in 8 segments, primary rays: 5.8
+/// triangle tests per ray with the clusters of the whole, 1.7 with its own), but takes as long as decomposing the whole.
 ///
 /// Günther wished for clustering in time as well as in space for animations like his CHICKEN (§3.6 of the dissertation);
 /// this is ours.
@@ -36,8 +38,8 @@ pub(super) fn split_in_time(
             continue;
         };
         let (first, last) = (*segment.keys.start(), *segment.keys.end());
-        let left = Segment::new(part, first..=key, decompose, budget, progress)?;
-        let right = Segment::new(part, key..=last, decompose, budget, progress)?;
+        let left = segment.over(part, first..=key, budget)?;
+        let right = segment.over(part, key..=last, budget)?;
         let all_cost: f64 = open.iter().map(|(segment, _)| weighted_cost(segment)).sum();
         let all_bytes: u64 = open.iter().map(|(segment, _)| segment.byte_count()).sum();
         let saved = weighted_cost(segment) - weighted_cost(&left) - weighted_cost(&right);
@@ -49,7 +51,17 @@ pub(super) fn split_in_time(
             open[place].1 = false;
         }
     }
-    Ok(open.into_iter().map(|(segment, _)| segment).collect())
+    let mut out = Vec::with_capacity(open.len());
+    let several = open.len() > 1;
+    for (segment, _) in open {
+        if several {
+            let own = Segment::new(part, segment.keys.clone(), decompose, budget, progress)?;
+            out.push(if own.cost < segment.cost { own } else { segment });
+        } else {
+            out.push(segment);
+        }
+    }
+    Ok(out)
 }
 
 /// The key at which the boxes before and after, each times its intervals, have the least surface together.

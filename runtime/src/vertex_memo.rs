@@ -1,0 +1,76 @@
+use std::sync::atomic::{
+    AtomicU32,
+    Ordering::{Acquire, Relaxed, Release},
+};
+
+/// Vertices of an instance that rays have posed in this frame, so that each is posed once, whichever ray comes first.
+///
+/// Threads share it without waiting: whoever finds a vertex missing poses it and writes it down; all write the same bits.
+/// A reader takes a position only behind its frame's stamp, which is written last.
+#[derive(Debug)]
+pub(crate) struct VertexMemo {
+    /// Three coordinates and the frame that they belong to, per vertex.
+    rows: Vec<[AtomicU32; 4]>,
+    /// The present frame; 0 is none.
+    frame: u32,
+}
+
+impl VertexMemo {
+    pub(crate) fn new(vertices: usize) -> Self {
+        Self {
+            rows: std::iter::repeat_with(Default::default).take(vertices).collect(),
+            frame: 0,
+        }
+    }
+
+    /// Begins a frame: no vertex is posed yet.
+    pub(crate) fn forget(&mut self) {
+        self.frame = self.frame.wrapping_add(1);
+        if self.frame == 0 {
+            // Stamps of 2³² frames ago would be taken for new ones.
+            self.rows.fill_with(Default::default);
+            self.frame = 1;
+        }
+    }
+
+    /// A vertex's position in this frame; `pose` tells it where it is not known yet, and always tells the same.
+    #[inline]
+    pub(crate) fn position(&self, vertex: u32, pose: impl FnOnce() -> [f32; 3]) -> [f32; 3] {
+        let [x, y, z, frame] = &self.rows[vertex as usize];
+        if frame.load(Acquire) == self.frame {
+            return [x, y, z].map(|coordinate| f32::from_bits(coordinate.load(Relaxed)));
+        }
+        let position = pose();
+        for (place, coordinate) in [x, y, z].into_iter().zip(position) {
+            place.store(coordinate.to_bits(), Relaxed);
+        }
+        frame.store(self.frame, Release);
+        position
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_vertex_is_posed_once_per_frame() {
+        let mut memo = VertexMemo::new(2);
+        memo.forget();
+        assert_eq!(memo.position(1, || [1.0, 2.0, 3.0]), [1.0, 2.0, 3.0]);
+        assert_eq!(memo.position(1, || panic!("known")), [1.0, 2.0, 3.0]);
+        assert_eq!(memo.position(0, || [4.0; 3]), [4.0; 3]);
+        memo.forget();
+        assert_eq!(memo.position(1, || [5.0; 3]), [5.0; 3]);
+    }
+
+    #[test]
+    fn stamps_of_an_earlier_round_are_not_taken_for_new() {
+        let mut memo = VertexMemo::new(1);
+        memo.forget();
+        memo.position(0, || [1.0; 3]);
+        memo.frame = u32::MAX;
+        memo.forget();
+        assert_eq!((memo.frame, memo.position(0, || [2.0; 3])), (1, [2.0; 3]));
+    }
+}
