@@ -232,10 +232,10 @@ rules! {
         }
         => at!(Clusters, 7, Count { field: "reference_count", found: 2, expected: 1 }),
 
-    boxes_in_free_motion_have_no_least_corner:
+    boxes_in_free_motion_are_zero_beside_tracks_with_keys:
         |m| m.reference_boxes[10] = ReferenceBoxRow { min: [0, 0, 1], max: [0, 0, 1] }
         => at!(ReferenceBoxes, 10, ReservedNotZero { field: "box" }),
-    boxes_in_free_motion_have_no_greatest_corner:
+    boxes_in_free_motion_are_zero:
         |m| m.reference_boxes[6].max[1] = 1 => at!(ReferenceBoxes, 6, ReservedNotZero { field: "box" }),
 
     triangles_with_a_cache_are_in_no_cluster_without_a_track:
