@@ -67,7 +67,7 @@ pub enum View {
     Clusters,
     /// The clusters' boxes over the shaded picture
     Boxes,
-    /// Heat map of the work per ray: traversal steps plus triangle tests
+    /// Heat map of the work per ray: traversal steps plus tests of boxes and triangles
     Steps,
 }
 

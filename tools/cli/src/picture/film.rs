@@ -146,7 +146,8 @@ impl<'a> Film<'a> {
             View::Steps => studio.heat_map(&frame),
             View::Shaded => studio.shaded(&frame, self.instance, &studio.part_colours),
             View::Clusters => {
-                let colours = triangle_colours::by_cluster(studio.asset.model(), &studio.cluster_colours, &frame);
+                let active = frame.clusters().map(|cluster| cluster.cluster);
+                let colours = triangle_colours::by_cluster(studio.asset.model(), &studio.cluster_colours, active);
                 studio.shaded(&frame, self.instance, &colours)
             }
             View::Boxes => {
@@ -266,5 +267,5 @@ fn work(frame: &Frame<'_>, ray: &Ray) -> u64 {
     let mut counters = TraceCounters::default();
     // What it costs is asked, not what is hit.
     let _ = frame.closest_hit_counted(ray, &mut counters);
-    counters.steps + counters.triangle_tests
+    counters.steps + counters.box_tests + counters.triangle_tests
 }

@@ -1,6 +1,5 @@
 use super::colour::{Colour, decode, distinct};
 use restpose_formats::ModelView;
-use restpose_runtime::Frame;
 
 /// Colours of parts in a shaded picture; parts beyond the last begin again.
 const PART_COLOURS: [[u8; 3]; 6] = [
@@ -46,11 +45,12 @@ pub fn of_clusters(model: &ModelView<'_>) -> Vec<Colour> {
     colours
 }
 
-/// A colour per triangle, by the cluster that holds it in this frame. `of_clusters` as [`of_clusters`] gives it.
-pub fn by_cluster(model: &ModelView<'_>, of_clusters: &[Colour], frame: &Frame<'_>) -> Vec<Colour> {
+/// A colour per triangle, by the cluster that holds it in a frame.
+///
+/// `of_clusters` is as [`of_clusters`] gives it, `active` the rows of the frame's clusters.
+pub fn by_cluster(model: &ModelView<'_>, of_clusters: &[Colour], active: impl Iterator<Item = u32>) -> Vec<Colour> {
     let mut colours = vec![NO_CLUSTER; model.triangles.len()];
-    for active in frame.clusters() {
-        let number = active.cluster as usize;
+    for number in active.map(|row| row as usize) {
         let (Some(cluster), Some(colour)) = (model.clusters.get(number), of_clusters.get(number)) else {
             continue;
         };
@@ -72,92 +72,101 @@ fn rows<T>(section: &[T], first: u32, count: u32) -> &[T] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use restpose_bake::{
-        BakeSettings, DecomposeSettings, NoProgress, SegmentSettings, bake,
-        import::{ImportSettings, import_obj_bytes},
+    use restpose_formats::{
+        Model,
+        geom::Aabb,
+        rows::{BoneRow, CacheRow, ClusterRow, NONE, SegmentRow, TriangleRow},
     };
-    use restpose_runtime::{Asset, Scene};
-    use std::sync::Arc;
 
-    const FRAMES: u8 = 9;
-    /// Columns of two points; between neighbours there are two triangles.
-    const COLUMNS: u8 = 7;
-
-    /// A strip that bends beside another one that bends the other way, in two time segments.
-    fn two_strips() -> Arc<Asset> {
-        let mut obj = String::new();
-        let mut cache = b"POINTCACHE2\0".to_vec();
-        cache.extend([1, 4 * i32::from(COLUMNS)].map(i32::to_le_bytes).concat());
-        cache.extend([0.0, 1.0].map(f32::to_le_bytes).concat());
-        cache.extend(i32::from(FRAMES).to_le_bytes());
-        for frame in 0..FRAMES {
-            for (x, y, side) in points() {
-                let point = [x, y, side * x * x * (f32::from(frame) - 4.0) * 0.1];
-                cache.extend(point.map(f32::to_le_bytes).concat());
-            }
+    /// A cluster of one triangle.
+    fn cluster(triangle: u32, track: u32) -> ClusterRow {
+        ClusterRow {
+            bone: 0,
+            node_first: 0,
+            node_count: 1,
+            reference_first: triangle,
+            reference_count: 1,
+            cluster_bone_first: 0,
+            cluster_bone_count: 0,
+            triangle_count: 1,
+            bounds_local: Aabb::EMPTY,
+            track,
+            reserved: 0,
         }
-        for (x, y, _) in points() {
-            obj += &format!("v {x} {y} 0\n");
-        }
-        for (strip, first) in [("left", 1), ("right", 1 + 2 * COLUMNS)] {
-            obj += &format!("o {strip}\n");
-            for corner in (0..COLUMNS - 1).map(|column| first + 2 * column) {
-                obj += &format!("f {corner} {} {} {}\n", corner + 2, corner + 3, corner + 1);
-            }
-        }
-        let (mesh, cache) = (("strips.obj", obj.as_bytes()), Some(("strips.pc2", cache.as_slice())));
-        let imported = import_obj_bytes(mesh, cache, &ImportSettings::default()).expect("a sound source");
-        let settings = BakeSettings {
-            motion: DecomposeSettings {
-                max_clusters: 2,
-                ..DecomposeSettings::default()
-            },
-            segments: SegmentSettings { most: 2, worth: 0.0 },
-            rays_per_frame: 0.0,
-            ..BakeSettings::default()
-        };
-        let baked = bake(&imported.animation, &settings, &NoProgress).expect("a sound scene");
-        let bytes = restpose_formats::write(&baked.model).expect("a sound model");
-        Arc::new(Asset::from_bytes(&bytes).expect("a sound file"))
     }
 
-    fn points() -> impl Iterator<Item = (f32, f32, f32)> {
-        [(0.0, 1.0), (4.0, -1.0)].into_iter().flat_map(|(place, side)| {
-            (0..2 * COLUMNS).map(move |point| (f32::from(point / 2), place + f32::from(point % 2), side))
-        })
+    fn segment(cluster_first: u32, cluster_count: u32) -> SegmentRow {
+        SegmentRow {
+            key_first: 0,
+            key_count: 2,
+            track_first: 0,
+            track_count: 1,
+            cluster_first,
+            cluster_count,
+            key_vertex_first: 0,
+            reserved: 0,
+        }
+    }
+
+    fn cache(segment_first: u32, segment_count: u32) -> CacheRow {
+        CacheRow {
+            part: 0,
+            bone: 0,
+            key_count: 3,
+            segment_first,
+            segment_count,
+            position_error: 0.0,
+            reserved: [0; 2],
+        }
+    }
+
+    /// Five triangles: one that no cache moves, two of a cache with two segments in which they change places, one of
+    /// another cache, one without area.
+    fn model() -> Model {
+        let root = BoneRow {
+            node: NONE,
+            source_skin: NONE,
+            source_joint: NONE,
+            reserved: 0,
+            inverse_bind: [0.0; 12],
+        };
+        Model {
+            bones: vec![root],
+            triangles: vec![TriangleRow { corners: [0; 3] }; 5],
+            references: (0..4).collect(),
+            clusters: vec![
+                cluster(0, NONE),
+                cluster(1, 0),
+                cluster(2, 1),
+                cluster(2, 2),
+                cluster(1, 3),
+                cluster(3, 4),
+            ],
+            segments: vec![segment(1, 2), segment(3, 2), segment(5, 1)],
+            caches: vec![cache(0, 2), cache(2, 1)],
+            ..Model::default()
+        }
     }
 
     #[test]
-    fn each_time_segment_shows_its_own_clusters_in_the_same_colours() {
-        let asset = two_strips();
-        let model = asset.model();
-        assert!(
-            model.caches.iter().all(|cache| cache.segment_count == 2),
-            "{:?}",
-            model.caches
-        );
-        let of_clusters = of_clusters(model);
-        let mut scene = Scene::new();
-        let strips = scene.add(&asset);
-        let mut seen = Vec::new();
-        for frame in [0.0, f64::from(FRAMES) - 1.0] {
-            scene.set_cache_frames(strips, &[frame; 2]).expect("two caches");
-            let colours = by_cluster(model, &of_clusters, &scene.commit());
-            assert_eq!(colours.len(), model.triangles.len());
-            assert!(
-                !colours.contains(&NO_CLUSTER),
-                "every triangle is in a cluster of every segment"
-            );
-            let mut shown = Vec::new();
-            colours.iter().for_each(|colour| {
-                if !shown.contains(colour) {
-                    shown.push(*colour);
-                }
-            });
-            shown.sort_by(|a, b| a.to_array().partial_cmp(&b.to_array()).expect("colours are finite"));
-            assert_eq!(shown.len(), 4, "two clusters of each strip");
-            seen.push(shown);
+    fn each_time_segment_shows_its_own_clusters_by_the_same_colours() {
+        let model = model();
+        let view = model.view();
+        let of_clusters = of_clusters(&view);
+        let early = by_cluster(&view, &of_clusters, [0, 1, 2, 5].into_iter());
+        let late = by_cluster(&view, &of_clusters, [0, 3, 4, 5].into_iter());
+        let [a, b, c, d] = [0, 1, 2, 3].map(|triangle: usize| early[triangle]);
+        assert_eq!(early, [a, b, c, d, NO_CLUSTER]);
+        assert_eq!(late, [a, c, b, d, NO_CLUSTER], "the two have changed places");
+    }
+
+    #[test]
+    fn clusters_of_one_moment_differ() {
+        let model = model();
+        let view = model.view();
+        let shown = by_cluster(&view, &of_clusters(&view), [0, 1, 2, 5].into_iter());
+        for (place, colour) in shown.iter().enumerate() {
+            assert!(!shown[..place].contains(colour), "{shown:?}");
         }
-        assert_eq!(seen[0], seen[1]);
     }
 }
