@@ -118,12 +118,7 @@ fn show(name: &str, files: &[PathBuf], output: &Path, context: &Context) -> Resu
     context.reporter.stage("import", 0);
     let imported = source_files::import(files, &ImportSettings::default())?;
     let file = folder.claim(&file_name);
-    let settings = BakeSettings {
-        // Fuzzy trees are what the demo is to show, also where a picture has so many rays that a tree built for it pays.
-        rays_per_frame: 0.0,
-        ..BakeSettings::default()
-    };
-    let written = bake_to(&imported, &settings, source, &file, context)?;
+    let written = bake_to(&imported, &BakeSettings::default(), source, &file, context)?;
     let asset = Arc::new(map_own_file(&file).map_err(|error| Failure::open(&file, &error))?);
 
     let settings = VerifySettings {

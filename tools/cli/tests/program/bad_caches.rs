@@ -43,10 +43,10 @@ const BAD: [Case; 16] = [
         &["flag.obj", "fewer.pc2"],
         3,
         "fewer.pc2",
-        "has 9 points, but flag.obj has 22",
+        "has 9 points, but flag.obj has 38",
     ),
     (&["flag.obj", "cut.pc2"], 3, "cut.pc2", "truncated"),
-    (&["flag.obj", "nan.pc2"], 3, "nan.pc2", "frame 5 point 21"),
+    (&["flag.obj", "nan.pc2"], 3, "nan.pc2", "frame 5 point 37"),
     (&["broken.obj", "flag.pc2"], 3, "broken.obj", "line 1"),
     (
         &["flag.obj", "flag.pc2", "--frames", "2-6"],
@@ -67,7 +67,7 @@ fn bad_inputs_are_told_with_the_file_at_fault() {
     door(folder);
     fs::create_dir(folder.join("empty")).expect("room");
     let write = |name: &str, bytes: &[u8]| fs::write(folder.join(name), bytes).expect("room");
-    let whole = pc2(22);
+    let whole = pc2(38);
     write("fewer.pc2", &pc2(9));
     write("cut.pc2", &whole[..whole.len() - 1]);
     write(

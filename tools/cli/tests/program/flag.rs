@@ -5,16 +5,17 @@ use restpose_formats::{AlignedBytes, Model, read, write};
 use std::{fs, path::Path};
 
 pub const FRAMES: usize = 6;
-const COLUMNS: usize = 9;
+const COLUMNS: usize = 17;
 
 /// Points of the flag, two per column, then of the stone, in one frame.
 fn points(frame: usize) -> Vec<[f32; 3]> {
-    let bend = (frame as f32 - 2.0) * 0.12;
+    // First the far end curls, then the near one: each half of the time has clusters of its own.
+    let (early, late) = (frame.min(2) as f32 * 0.12, frame.saturating_sub(2) as f32 * 0.12);
     let cloth = (0..COLUMNS).flat_map(|column| {
-        let x = column as f32 / 4.0;
-        // The far end swings more than in proportion: one map does not move all of it.
-        let z = bend * x * x;
-        [[x, 1.0, z], [x, 2.0, z + 0.3 * bend]]
+        let x = column as f32 / 8.0;
+        let near = 2.0 - x;
+        let z = early * x * x * x + late * near * near * near;
+        [[x, 1.0, z], [x, 2.0, z + 0.3 * early]]
     });
     let flown = frame as f32 * 0.5;
     let stone = [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]];

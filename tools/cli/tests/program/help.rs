@@ -45,7 +45,7 @@ fn options_stand_in_groups_with_their_defaults() {
         "Frames of vertex caches and OBJ sequences:",
         "Vertex caches:",
         "--position-error <UNITS>",
-        "[default: 25]",
+        "--max-clusters <N>",
         "Poses:",
         "Motion classes:",
     ] {
