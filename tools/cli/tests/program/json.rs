@@ -1,5 +1,5 @@
 use crate::{
-    fixture::{baked_door, door, folder, outgrown_door},
+    fixture::{baked_door, door, folder, outgrown_door, sample},
     flag::{SEGMENTED, baked_flag, flag, outgrown_flag},
     run::restpose,
 };
@@ -124,6 +124,21 @@ fn measure_frame_prints_its_keys() {
     let measure = [&["measure", "frame", "door.gltf"], &least[..]].concat();
     agree("measure frame", folder.path(), &[&measure]);
     for name in ["frame.html", "frame.json"] {
+        assert!(folder.path().join("out").join(name).is_file(), "{name}");
+    }
+}
+
+#[test]
+fn measure_motion_prints_its_keys() {
+    let folder = folder();
+    let [mesh, cache] = ["goose.obj", "goose.pc2"].map(|name| sample(name).display().to_string());
+    let least = [
+        "--frames", "0-3", "--max-clusters", "3", "--poses", "2", "--picture-side", "16", "--random-rays", "50",
+        "--repeats", "1", "--thread-counts", "1", "-o", "out",
+    ];
+    let measure = [&["measure", "motion", mesh.as_str(), cache.as_str()], &least[..]].concat();
+    agree("measure motion", folder.path(), &[&measure]);
+    for name in ["motion.html", "motion.json"] {
         assert!(folder.path().join("out").join(name).is_file(), "{name}");
     }
 }

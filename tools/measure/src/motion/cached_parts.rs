@@ -95,7 +95,7 @@ mod tests {
     fn steps(areas: &[f64]) -> Vec<Growth> {
         let step = |(place, area): (usize, &f64)| Growth {
             clusters: place + 1,
-            residual: area / 10.0,
+            residual: area / 8.0,
             fuzzy_box_area: *area,
             cost: area * 2.0,
         };
