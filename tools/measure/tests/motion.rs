@@ -109,6 +109,11 @@ fn keys_that_scripts_rely_on_are_there_and_positive() {
         positive(&report, key);
     }
     assert!(report["rest_frame"].is_u64());
+    let seconds = |key: &str| report[key].as_f64().unwrap();
+    assert!(
+        seconds("clustering_seconds") <= seconds("bake_seconds"),
+        "shared clusters count once"
+    );
     let frames = report["frames"].as_array().unwrap();
     assert_eq!(frames.len(), 4);
     for place in std::iter::once(&report).chain(frames) {

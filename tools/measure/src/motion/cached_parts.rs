@@ -1,5 +1,6 @@
 use super::report::{CachedPart, ClusteringSeconds, Growth, MotionSegment};
-use restpose_bake::{BakeReport, CacheReport, PartReport, SegmentReport};
+use restpose_bake::{BakeReport, DecomposeReport, PartReport, SegmentReport};
+use std::ops::AddAssign;
 
 /// The parts with a vertex cache.
 pub(super) fn cached_parts(report: &BakeReport) -> Vec<CachedPart> {
@@ -23,24 +24,25 @@ pub(super) fn cached_parts(report: &BakeReport) -> Vec<CachedPart> {
     report.parts.iter().filter_map(part).collect()
 }
 
-/// Seconds of the stages of clustering over all segments.
+/// Seconds of the stages of clustering over all segments. Segments that share clusters were clustered once: their
+/// reports are the same, times included.
 pub(super) fn clustering_seconds(report: &BakeReport) -> ClusteringSeconds {
     let caches = report.parts.iter().filter_map(|part| part.cache.as_ref());
-    let segments = caches.flat_map(|cache: &CacheReport| &cache.segments);
-    segments.fold(ClusteringSeconds::default(), |sum, segment| {
-        let own = stages(segment);
-        ClusteringSeconds {
-            components: sum.components + own.components,
-            rest: sum.rest + own.rest,
-            relax: sum.relax + own.relax,
-            refine: sum.refine + own.refine,
-            axes: sum.axes + own.axes,
+    let mut sum = ClusteringSeconds::default();
+    for cache in caches {
+        let mut counted: Vec<&DecomposeReport> = Vec::new();
+        for found in cache.segments.iter().map(|segment| &segment.decomposition) {
+            if !counted.contains(&found) {
+                counted.push(found);
+                sum += stages(found);
+            }
         }
-    })
+    }
+    sum
 }
 
-fn stages(segment: &SegmentReport) -> ClusteringSeconds {
-    let seconds = &segment.decomposition.seconds;
+fn stages(found: &DecomposeReport) -> ClusteringSeconds {
+    let seconds = &found.seconds;
     ClusteringSeconds {
         components: seconds.components,
         rest: seconds.rest,
@@ -59,7 +61,11 @@ fn segment(segment: &SegmentReport) -> MotionSegment {
         rest_frame: segment.rest_key,
         expected_cost: segment.expected_cost,
         fuzzy_box_area: segment.fuzzy_box_area,
-        clustering_seconds: stages(segment).entries().iter().map(|(_, seconds)| seconds).sum(),
+        clustering_seconds: stages(&segment.decomposition)
+            .entries()
+            .iter()
+            .map(|(_, seconds)| seconds)
+            .sum(),
         growth: steps
             .map(|step| Growth {
                 clusters: step.clusters,
@@ -86,6 +92,16 @@ pub(super) fn mean_growth<'a>(all: impl Iterator<Item = &'a [Growth]>) -> Vec<Gr
         }
     };
     (0..longest).map(mean).collect()
+}
+
+impl AddAssign for ClusteringSeconds {
+    fn add_assign(&mut self, other: Self) {
+        self.components += other.components;
+        self.rest += other.rest;
+        self.relax += other.relax;
+        self.refine += other.refine;
+        self.axes += other.axes;
+    }
 }
 
 #[cfg(test)]

@@ -25,8 +25,8 @@ pub struct MotionReport {
     pub clusters: u64,
     /// Key whose positions are the rest pose: that of the first part with clusters, in its first segment.
     pub rest_frame: Option<u64>,
-    /// Seconds of finding the clusters of all segments: the sum of `clustering`. Segments that were tried and dropped
-    /// are in `bake_seconds` only.
+    /// Seconds of finding the clusters of all segments, those that segments share once: the sum of `clustering`. What was
+    /// tried and dropped is in `bake_seconds` only.
     pub clustering_seconds: f64,
     /// The same by stage.
     pub clustering: ClusteringSeconds,
@@ -190,7 +190,7 @@ pub struct MotionSegment {
     pub expected_cost: f64,
     /// Sum of the surfaces of its fuzzy boxes, square scene units.
     pub fuzzy_box_area: f64,
-    /// Seconds of finding its clusters.
+    /// Seconds of finding its clusters, which it may share with other segments.
     pub clustering_seconds: f64,
     /// The clustering by number of clusters.
     pub growth: Vec<Growth>,
@@ -267,7 +267,8 @@ pub struct Comparison {
     pub intersections_static: f64,
     /// The former over the latter.
     pub intersections_ratio: f64,
-    /// Nanoseconds per ray, on the first number of threads.
+    /// Nanoseconds per ray, on the first number of threads. Vertices that rays share are posed once per frame, before
+    /// the timed rounds: the static tree's, too.
     pub time_ns: f64,
     /// The same by the static tree.
     pub time_ns_static: f64,
