@@ -133,8 +133,22 @@ fn measure_motion_prints_its_keys() {
     let folder = folder();
     let [mesh, cache] = ["goose.obj", "goose.pc2"].map(|name| sample(name).display().to_string());
     let least = [
-        "--frames", "0-3", "--max-clusters", "3", "--poses", "2", "--picture-side", "16", "--random-rays", "50",
-        "--repeats", "1", "--thread-counts", "1", "-o", "out",
+        "--frames",
+        "0-3",
+        "--max-clusters",
+        "3",
+        "--poses",
+        "2",
+        "--picture-side",
+        "16",
+        "--random-rays",
+        "50",
+        "--repeats",
+        "1",
+        "--thread-counts",
+        "1",
+        "-o",
+        "out",
     ];
     let measure = [&["measure", "motion", mesh.as_str(), cache.as_str()], &least[..]].concat();
     agree("measure motion", folder.path(), &[&measure]);
