@@ -3,7 +3,7 @@ use crate::{
     assemble::assemble,
     caches::add_caches,
     import::Animation,
-    motion::{Carried, Moving, classify, decompose},
+    motion::{Carried, Moving, classify, decompose, with_morph_caches},
     poses, trees,
 };
 use restpose_formats::{Bounds, Hashes, Model, geom::Aabb, rows::MotionClass};
@@ -32,10 +32,16 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
 
     progress.stage("assemble", 1);
     let clips = selected_clips(animation, &settings.clips)?;
+    let source = animation;
+    let animation = &*with_morph_caches(source, &clips, settings);
     let moving = Moving::new(animation, &clips);
     let mut classes = classify(animation, &moving, settings)?;
     let assembled = assemble(animation, &classes, &clips)?;
     let mut model = assembled.model;
+    for (row, part) in model.parts.iter_mut().zip(&source.parts) {
+        // A part whose morph targets became a cache has a mesh of its own.
+        row.source_mesh = part.mesh as u32;
+    }
     progress.advance(1);
     lap(&mut seconds.assemble);
 

@@ -3,8 +3,10 @@
 mod classify;
 mod decompose;
 pub(crate) mod keyframed;
+mod morph_cache;
 mod moving;
 
 pub(crate) use classify::{Classified, classify};
 pub(crate) use decompose::{Carried, decompose};
+pub(crate) use morph_cache::{turned, with_morph_caches};
 pub(crate) use moving::{Moving, parents_first};

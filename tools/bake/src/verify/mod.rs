@@ -11,6 +11,7 @@ pub use source_pose::SourcePose;
 use crate::{
     Progress,
     import::{Animation, ImportError},
+    motion::turned,
 };
 use rayon::prelude::*;
 use restpose_formats::{
@@ -131,6 +132,11 @@ pub fn verify(
     let mut random = fastrand::Rng::with_seed(settings.seed);
     let mut scene = Scene::new();
     let instance = scene.add(asset);
+    let clips = source_pose::source_clips(source, model);
+    let turned_parts: Vec<usize> = (0..source.parts.len().min(model.parts.len()))
+        .filter(|part| model.parts[*part].cache != NONE && source.parts[*part].cache.is_none())
+        .collect();
+    let source = &*turned(source, &clips, &turned_parts);
     let mut source_pose = SourcePose::new(source, model);
 
     progress.stage("verify", settings.rays);

@@ -31,19 +31,7 @@ impl<'a> SourcePose<'a> {
     /// `model` is a bake of `animation`.
     #[must_use]
     pub fn new(animation: &'a Animation, model: &ModelView) -> Self {
-        // The file keeps selected clips in source order under their labels; clips of one label are selected together.
-        let mut clips = Vec::new();
-        let mut labels = animation
-            .clips
-            .iter()
-            .enumerate()
-            .map(|(number, clip)| clip.label(number));
-        let mut number = 0;
-        for name in &model.meta.clip_names {
-            number += labels.by_ref().take_while(|label| label != name).count();
-            clips.push(number);
-            number += 1;
-        }
+        let clips = source_clips(animation, model);
         let frozen = model
             .parts
             .iter()
@@ -165,6 +153,24 @@ impl<'a> SourcePose<'a> {
             .map(|influence| f64::from(influence.weight) / sum * moved(influence.joint))
             .sum()
     }
+}
+
+/// Per clip of the file: its number in the source.
+pub(super) fn source_clips(animation: &Animation, model: &ModelView) -> Vec<usize> {
+    // The file keeps selected clips in source order under their labels; clips of one label are selected together.
+    let mut clips = Vec::new();
+    let mut labels = animation
+        .clips
+        .iter()
+        .enumerate()
+        .map(|(number, clip)| clip.label(number));
+    let mut number = 0;
+    for name in &model.meta.clip_names {
+        number += labels.by_ref().take_while(|label| label != name).count();
+        clips.push(number);
+        number += 1;
+    }
+    clips
 }
 
 struct Local64 {
