@@ -23,9 +23,9 @@ pub(crate) fn with_morph_caches<'a>(
     settings: &BakeSettings,
 ) -> Cow<'a, Animation> {
     let asked = |name: &str| {
-        let of_part = settings.class_overrides.iter().filter(|(part, _)| part == name);
+        let mut of_part = settings.class_overrides.iter().rev().filter(|(part, _)| part == name);
         of_part
-            .last()
+            .next()
             .is_some_and(|(_, class)| matches!(class, MotionClass::Keyframed | MotionClass::Free))
     };
     let parts: Vec<usize> = (0..animation.parts.len())
