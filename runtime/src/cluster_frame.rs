@@ -223,7 +223,7 @@ pub(crate) enum Way {
     Local(LocalFrame),
     /// By a tree that was built for this frame: its place among the instance's.
     Posed(u32),
-    /// One by one: the cluster frame has no usable inverse.
+    /// One by one: a bone without usable inverse.
     Exhaustive,
 }
 

@@ -23,7 +23,8 @@ pub struct ClusterBounds {
     pub cluster: u32,
     /// Contains every posed vertex of the cluster.
     pub bounds_world: Aabb,
-    /// False where the cluster frame has no usable inverse in this pose.
+    /// Whether rays use the cluster's fuzzy tree: false where its frame has no usable inverse in this pose, and in free
+    /// motion.
     pub has_inverse: bool,
 }
 
@@ -120,7 +121,7 @@ impl Frame<'_> {
                 instance: InstanceId(entry.instance),
                 cluster: active.row,
                 bounds_world: active.frame.bounds_world,
-                has_inverse: !matches!(active.frame.way, Way::Exhaustive),
+                has_inverse: matches!(active.frame.way, Way::Local(_)),
             }
         })
     }

@@ -29,7 +29,7 @@ pub(crate) struct Instance {
     pub clusters: Vec<Active>,
     /// Vertices posed in this frame.
     memo: VertexMemo,
-    /// Trees of clusters in free motion, by the order of these among `clusters`.
+    /// Trees over posed triangles, by the order of these among `clusters`.
     pub trees: Vec<PosedTree>,
 }
 
@@ -86,7 +86,7 @@ impl Instance {
         let morph_extent = self.morph_extent(model);
         for (row, cluster) in (0..).zip(&model.clusters[..without_track]) {
             let frame = self.bone_frame(model, cluster, morph_extent);
-            let frame = frame.unwrap_or_else(|| self.frame_without_inverse(model, NONE, cluster));
+            let frame = frame.unwrap_or_else(|| self.exhaustive_frame(model, cluster));
             self.clusters.push(Active {
                 row,
                 cache: NONE,
@@ -101,13 +101,14 @@ impl Instance {
             let segment = &model.segments[time.segment as usize];
             for row in segment.cluster_first..segment.cluster_first + segment.cluster_count {
                 let cluster = &model.clusters[row as usize];
-                let frame = if model.tracks[cluster.track as usize].key_first == NONE {
+                let free = model.tracks[cluster.track as usize].key_first == NONE;
+                let frame = (!free)
+                    .then(|| self.track_frame(model, index, cache, cluster))
+                    .flatten();
+                let frame = frame.unwrap_or_else(|| {
                     trees += 1;
-                    self.free_frame(model, index, cluster, trees, builder)
-                } else {
-                    let frame = self.track_frame(model, index, cache, cluster);
-                    frame.unwrap_or_else(|| self.frame_without_inverse(model, index, cluster))
-                };
+                    self.posed_frame(model, index, cluster, trees, builder)
+                });
                 self.clusters.push(Active {
                     row,
                     cache: index,
@@ -160,13 +161,15 @@ impl Instance {
         })
     }
 
-    fn frame_without_inverse(&self, model: &ModelView, cache: u32, cluster: &ClusterRow) -> ClusterFrame {
+    /// Bounds a bone's cluster by its posed vertices. No tree is built over these: a bone without inverse is most often one
+    /// that hides a limb by scaling it to nothing.
+    fn exhaustive_frame(&self, model: &ModelView, cluster: &ClusterRow) -> ClusterFrame {
         let references = &model.references[cluster.reference_first as usize..][..cluster.reference_count as usize];
         ClusterFrame {
             bounds_world: Aabb::around(
                 references
                     .iter()
-                    .flat_map(|triangle| self.pose_triangle(cache, *triangle))
+                    .flat_map(|triangle| self.pose_triangle(NONE, *triangle))
                     // Vertices that overflowed have no place and hit nothing.
                     .filter(|vertex| vertex.iter().all(|x| x.is_finite())),
             ),
@@ -174,8 +177,8 @@ impl Instance {
         }
     }
 
-    /// Builds the `count`th tree over posed triangles.
-    fn free_frame(
+    /// Builds the `count`th tree over posed triangles: of free motion, or where a track turns over between two keys.
+    fn posed_frame(
         &mut self,
         model: &ModelView,
         cache: u32,

@@ -14,17 +14,21 @@ pub(crate) struct PosedTree {
 }
 
 impl PosedTree {
-    /// Builds it over `triangles`, posed by `pose`. One with a corner that overflowed has no place and hits nothing.
+    /// Builds it over `triangles`, posed by `pose`, each once however often it is named. One with a corner that overflowed has no place and hits nothing.
     pub(crate) fn rebuild(&mut self, triangles: &[u32], pose: impl Fn(u32) -> [[f32; 3]; 3], builder: &mut KdBuilder) {
         self.boxes.clear();
         self.triangles.clear();
-        for triangle in triangles {
+        self.triangles.extend_from_slice(triangles);
+        self.triangles.sort_unstable();
+        self.triangles.dedup();
+        self.triangles.retain(|triangle| {
             let corners = pose(*triangle);
-            if corners.as_flattened().iter().all(|x| x.is_finite()) {
+            let finite = corners.as_flattened().iter().all(|x| x.is_finite());
+            if finite {
                 self.boxes.push(Aabb::around(corners));
-                self.triangles.push(*triangle);
             }
-        }
+            finite
+        });
         builder.build(&self.boxes, &KdSettings::default(), &mut self.tree);
     }
 

@@ -8,7 +8,8 @@ pub struct FrameStats {
     /// Clusters whose frame has no usable inverse (scaled to nothing, flattened, near-singular): their triangles were
     /// posed for their bounds and are all tested by each ray that enters those.
     pub clusters_without_inverse: u32,
-    /// Clusters in free motion, whose trees were built for this frame.
+    /// Clusters of vertex caches whose trees were built for this frame over all of their posed triangles: in free motion,
+    /// and where a cluster turns over or collapses between two keys.
     pub clusters_rebuilt: u32,
     /// Nodes of the top-level tree.
     pub top_level_nodes: u32,

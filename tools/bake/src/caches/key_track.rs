@@ -33,9 +33,10 @@ const F64_ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
 /// (1 − s)·p + s·p′ + s(1 − s)·N(s)·(p′ − p),   N(s) = (1 + sE)⁻¹E
 /// ```
 ///
-/// Differs from DESIGN's quadratic curve, which interpolates the inverses: there p = p′ still leaves the segment by
-/// ¼·|E|²·|p|; here what does not move in its cluster at the keys does not move between them either, however fast the
-/// cluster turns.
+/// What does not move in its cluster at the keys does not move between them either, however fast the cluster turns. Tried
+/// before: to interpolate the inverses instead, which makes the curve a quadratic with control points K⁻¹v,
+/// ½(K⁻¹v′ + K′⁻¹v), K′⁻¹v′. There a mere turn by θ moves a point by up to half of (1 − cos θ) of its distance; bounding
+/// the control points made the summed surface of all boxes 4.4 times as large on HORSE, 4.5 on COW, 18 on CHICKEN.
 pub(crate) struct KeyTrack {
     maps: Vec<Affine>,
     inverses: Vec<Rows>,
