@@ -115,7 +115,10 @@ impl Reporter {
         stage.bar.set_position(done);
         if self.style == Style::Lines && stage.last_line.elapsed() >= LINE_INTERVAL {
             stage.last_line = Instant::now();
-            note(&format!("{label}{} {done} of {}", stage.name, stage.total));
+            match stage.total {
+                0 => note(&format!("{label}{} {done}", stage.name)),
+                total => note(&format!("{label}{} {done} of {total}", stage.name)),
+            }
         }
     }
 

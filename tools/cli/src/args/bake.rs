@@ -36,8 +36,9 @@ pub struct BakeArgs {
     pub keyframed: KeyframedArgs,
 
     /// Motion class of a part, against the baker's own choice: static freezes it, rigid keeps a bone for a part that
-    /// no clip moves, keyframed or free takes a vertex cache through fuzzy trees or through a tree built in every frame;
-    /// may be given again [default: the baker decides]
+    /// no clip moves, keyframed or free takes a vertex cache through fuzzy trees or through a tree built in every frame,
+    /// and makes one of morph targets without a skin whose weights every clip interpolates linearly; may be given again
+    /// [default: the baker decides]
     #[arg(long = "class", value_name = "PART=CLASS", help_heading = "Motion classes")]
     pub classes: Vec<ClassOverride>,
 }

@@ -39,11 +39,11 @@ pub struct KeyframedArgs {
     /// Most clusters of a part and segment, 1 to 65536
     #[arg(long, value_name = "N", default_value_t = motion().max_clusters, value_parser = |text: &str| values::count(text, 65_536))]
     pub max_clusters: usize,
-    /// No cluster is added once each lowers the residual by less than this part of it, 0 to 1
-    #[arg(long, value_name = "PART", default_value_t = motion().cluster_threshold, value_parser = |text: &str| values::number_from(text, 0.0, 1.0))]
+    /// No cluster is added once each lowers the residual by less than this fraction of it, 0 to 1
+    #[arg(long, value_name = "FRACTION", default_value_t = motion().cluster_threshold, value_parser = |text: &str| values::number_from(text, 0.0, 1.0))]
     pub cluster_threshold: f64,
-    /// Relaxation ends once an iteration lowers the residual by less than this part of it, 0 to 1
-    #[arg(long, value_name = "PART", default_value_t = motion().iteration_threshold, value_parser = |text: &str| values::number_from(text, 0.0, 1.0))]
+    /// Relaxation ends once an iteration lowers the residual by less than this fraction of it, 0 to 1
+    #[arg(long, value_name = "FRACTION", default_value_t = motion().iteration_threshold, value_parser = |text: &str| values::number_from(text, 0.0, 1.0))]
     pub iteration_threshold: f64,
     /// Most iterations for one number of clusters, 1 to 1000000
     #[arg(long, value_name = "N", default_value_t = motion().max_iterations, value_parser = |text: &str| values::count(text, 1_000_000))]
@@ -57,7 +57,7 @@ pub struct KeyframedArgs {
     /// Most time segments of a part, each with its own clusters and trees, 1 to 65536
     #[arg(long, value_name = "N", default_value_t = SegmentSettings::default().most, value_parser = |text: &str| values::count(text, 65_536))]
     pub segments: usize,
-    /// Split where the saved part of the expected cost is at least this times the added part of bytes, 0 or more
+    /// Split where the saved fraction of the expected cost is at least this times the added fraction of bytes, 0 or more
     #[arg(long, value_name = "FACTOR", default_value_t = SegmentSettings::default().worth, value_parser = |text: &str| values::number_from(text, 0.0, f64::MAX))]
     pub segment_worth: f64,
     /// Rays that a frame is made for, 0 or more: where a tree built in every frame would pay, motion is free

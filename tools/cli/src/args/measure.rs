@@ -2,6 +2,7 @@ use super::{
     keyframed::{KeptFramesArgs, KeyframedArgs},
     values::{self, ClassOverride},
 };
+use crate::exit_code::ExitCode;
 use clap::{Args, Subcommand};
 use std::{num::NonZeroUsize, path::PathBuf};
 
@@ -16,8 +17,10 @@ pub struct MeasureArgs {
 #[derive(Debug, Subcommand)]
 pub enum MeasureTable {
     /// Frame updates and rays against the number of triangles, beside a static tree built anew for each frame
+    #[command(after_help = ExitCode::table())]
     Frame(FrameArgs),
     /// A keyframed animation's clusters, and its rays beside a kd-tree rebuilt for every frame
+    #[command(after_help = ExitCode::table())]
     Motion(MotionArgs),
 }
 

@@ -191,7 +191,7 @@ fn text(report: &Report) -> String {
         .iter()
         .map(|(name, value)| format!("{name}={value}"))
         .collect();
-    lines.push(format!("options   {}", options.join(" ")));
+    lines.push(format!("options   {}", options.join(", ")));
     let mut parts = Table::new(["part", "class", "triangles", "vertices", "clusters"]);
     for part in &report.parts {
         parts.add([
@@ -228,7 +228,10 @@ fn text(report: &Report) -> String {
             cache.tracks().to_string(),
             cache.position_bytes.to_string(),
             format!("{:.2}", cache.bytes_per_vertex_key),
-            format!("{:e}", cache.position_error),
+            match cache.position_error {
+                0.0 => "exact".to_owned(),
+                error => format!("{error:.2e}"),
+            },
         ]);
     }
     let mut clusters = Table::new([

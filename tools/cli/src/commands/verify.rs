@@ -59,7 +59,7 @@ pub fn check(
 ) -> Result<VerifyReport, Failure> {
     if asset.model().hashes.source != source.source_hash {
         let message = format!(
-            "{}: was not baked from this source as it is now ({}); bake it again",
+            "{}: was not baked from this source as it is now ({}); name all files that it was baked from, or bake it again",
             file.display(),
             source.source_name
         );
@@ -85,7 +85,7 @@ pub fn failure(verified: &VerifyReport, file: &Path) -> Option<Failure> {
 fn text(verified: &VerifyReport, cache_count: usize) -> String {
     let poses = match cache_count {
         0 => format!("{} of {} samples", verified.poses, verified.samples),
-        _ => format!("{}, vertex caches at random times between keys", verified.poses),
+        _ => format!("{}, vertex caches at keys and at random times between", verified.poses),
     };
     [
         format!("rays              {}", verified.rays),
@@ -93,7 +93,10 @@ fn text(verified: &VerifyReport, cache_count: usize) -> String {
         format!("hits              {}", verified.hits),
         format!("missed            {}", verified.missed),
         format!("wrong             {}", verified.wrong),
-        format!("max vertex error  {:e} of the model's size", verified.max_vertex_error),
+        format!(
+            "max vertex error  {:.2e} of the model's size",
+            verified.max_vertex_error
+        ),
     ]
     .join("\n")
 }

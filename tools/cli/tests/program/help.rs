@@ -1,6 +1,6 @@
 use crate::{fixture::folder, run::restpose};
 
-const COMMANDS: [&str; 6] = ["bake", "info", "validate", "verify", "render", "demo"];
+const COMMANDS: [&str; 7] = ["bake", "info", "validate", "verify", "render", "measure", "demo"];
 
 #[test]
 fn help_is_a_result_and_lists_the_exit_codes() {
@@ -8,7 +8,8 @@ fn help_is_a_result_and_lists_the_exit_codes() {
     let pages = COMMANDS
         .iter()
         .flat_map(|command| [vec![*command, "--help"], vec!["help", *command]]);
-    for arguments in pages.chain([vec!["--help"], vec!["-h"], vec!["help"]]) {
+    let tables = ["frame", "motion"].map(|table| vec!["measure", table, "--help"]);
+    for arguments in pages.chain(tables).chain([vec!["--help"], vec!["-h"], vec!["help"]]) {
         let run = restpose(folder.path(), &arguments).succeeded();
         assert_eq!(run.stderr, "", "{arguments:?}");
         assert!(run.stdout.contains("Usage: restpose"), "{arguments:?}");

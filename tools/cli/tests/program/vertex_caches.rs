@@ -234,7 +234,7 @@ fn the_report_says_how_each_cache_was_baked() {
         verified
             .succeeded()
             .stdout
-            .contains("vertex caches at random times between keys")
+            .contains("vertex caches at keys and at random times between")
     );
 }
 
