@@ -312,6 +312,27 @@ mod tests {
     }
 
     #[test]
+    fn the_bend_is_bounded_between_the_middles_of_its_parts_too() {
+        let mut random = fastrand::Rng::with_seed(7);
+        let mut bounded = 0;
+        for round in 0..2000 {
+            let size = [1e-3, 0.1, 0.6, 1.5][round % 4];
+            let turn: Rows = std::array::from_fn(|_| std::array::from_fn(|_| (random.f64() * 2.0 - 1.0) * size));
+            let Some(bound) = bend_bound(&turn) else {
+                continue;
+            };
+            bounded += 1;
+            for step in 0..=256 {
+                let bend = bend_at(&turn, f64::from(step) / 256.0).unwrap();
+                for (entry, bound) in bend.iter().flatten().zip(bound.iter().flatten()) {
+                    assert!(entry.abs() <= *bound, "{turn:?} at {step}/256: {entry} beyond {bound}");
+                }
+            }
+        }
+        assert!(bounded > 1000, "only {bounded} turns were bounded");
+    }
+
+    #[test]
     fn a_half_turn_within_one_interval_is_cut() {
         let turn = |degrees: f64| affine(DMat3::from_rotation_z(degrees.to_radians()), DVec3::ZERO);
         let track = KeyTrack::new(&[turn(0.0), turn(180.0), turn(185.0)]);
