@@ -3,7 +3,7 @@
 use proptest::{prelude::*, test_runner::RngSeed};
 use restpose_bake::{
     BakeError, BakeSettings, Baked, DecomposeSettings, MotionClass, NoProgress, SegmentSettings, bake,
-    import::Animation,
+    import::{Animation, ImportSettings, import_files},
     verify::{VerifyReport, VerifySettings, verify},
 };
 use restpose_runtime::Asset;
@@ -72,5 +72,41 @@ proptest! {
             return Ok(());
         };
         prop_assert_eq!((report.missed, report.wrong), (0, 0), "{:?}: {:#?}", recipe, report.failures);
+    }
+}
+
+/// Positions are rounded to 2⁻¹⁶ of the part's greatest diagonal, which can be twice that of another key's pose, and
+/// evaluated in `f32`.
+const VERTEX_TOLERANCE: f64 = 4e-5;
+
+/// The bundled vertex cache, whole and in time segments: hits equal brute force, and vertices are where the source has
+/// them in every pose, so none is left over from the pose before.
+#[test]
+fn hits_equal_brute_force_on_the_sample() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../samples/scenes");
+    let inputs = ["goose.obj", "goose.pc2"].map(|name| folder.join(name));
+    let animation = import_files(&inputs, &ImportSettings::default()).unwrap().animation;
+    for segments in [1, 3] {
+        let settings = BakeSettings {
+            segments: SegmentSettings {
+                most: segments,
+                worth: 0.0,
+            },
+            motion: DecomposeSettings {
+                max_clusters: 12,
+                ..DecomposeSettings::default()
+            },
+            rays_per_frame: 0.0,
+            ..BakeSettings::default()
+        };
+        let (baked, report) = verified(&animation, &settings, 6_000).unwrap();
+        let found = baked.report.parts[0].cache.as_ref().unwrap().segments.len();
+        assert_eq!(found, segments, "the goose's parts are cut in time where asked for");
+        assert_eq!((report.missed, report.wrong), (0, 0), "{:#?}", report.failures);
+        assert!(
+            report.max_vertex_error < VERTEX_TOLERANCE,
+            "{}",
+            report.max_vertex_error
+        );
     }
 }
