@@ -48,7 +48,7 @@ impl CacheReport {
     pub(super) fn add_segments(&mut self, segments: &[Segment], vertex_count: usize) {
         let greatest = |of: &dyn Fn(&Segment) -> f64| segments.iter().map(of).fold(0.0, f64::max);
         self.position_error = greatest(&|segment| segment.stored.error);
-        self.residual = greatest(&|segment| segment.report.steps.last().map_or(0.0, |step| step.residual));
+        self.residual = greatest(&|segment| segment.residual);
         self.bytes = segments.iter().map(Segment::byte_count).sum();
         let position_bytes: usize = segments
             .iter()

@@ -17,6 +17,9 @@ use std::ops::RangeInclusive;
 /// 2⁻⁴⁸: rounding of a decoded position in `f64`, relative to the magnitudes that enter it.
 const POSITION_ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
 
+/// How many times fewer clusters are tried where many may cost more than they save.
+const CLUSTER_RATIO: usize = 4;
+
 /// Vertices that one task bounds.
 const VERTICES_PER_TASK: usize = 256;
 
@@ -40,6 +43,8 @@ pub(crate) struct Segment {
     pub stored: StoredPositions,
     /// Key whose positions are the rest pose.
     pub rest_key: usize,
+    /// Root of the mean squared residual of its clusters, scene units, before they were refined.
+    pub residual: f64,
     /// Expected cost of a ray that meets the part's box, mean over the keys: traversal steps.
     pub cost: f64,
     pub report: DecomposeReport,
@@ -63,7 +68,36 @@ pub(crate) struct SegmentCluster {
 
 impl Segment {
     /// Decomposes the motion of `part` over `keys`, stores its positions, and builds a tree for each cluster.
+    ///
+    /// Clusters are added while the residual falls, whatever entering one more costs a ray. So a quarter of the clusters is
+    /// tried after, and again, while that lowers the expected cost: on four keys of a gently moving figure 28 clusters cost
+    /// 147 steps, one 54.
     pub(crate) fn new(
+        part: &PartKeys,
+        keys: RangeInclusive<usize>,
+        settings: &DecomposeSettings,
+        budget: f64,
+        progress: &dyn Progress,
+    ) -> Result<Self, BakeError> {
+        let mut best = Self::decomposed(part, keys.clone(), settings, budget, progress)?;
+        while best.clusters.len() > 1 {
+            let fewer = DecomposeSettings {
+                max_clusters: (best.clusters.len() / CLUSTER_RATIO).max(1),
+                ..settings.clone()
+            };
+            let other = Self::decomposed(part, keys.clone(), &fewer, budget, progress)?;
+            if other.cost >= best.cost || other.clusters.len() >= best.clusters.len() {
+                break;
+            }
+            // What growing found stays with what was chosen.
+            let steps = std::mem::take(&mut best.report.steps);
+            best = other;
+            best.report.steps = steps;
+        }
+        Ok(best)
+    }
+
+    fn decomposed(
         part: &PartKeys,
         keys: RangeInclusive<usize>,
         settings: &DecomposeSettings,
@@ -84,7 +118,9 @@ impl Segment {
         let tracks = clusters.iter().map(|track| KeyTrack::new(&track.from_local)).collect();
         let kinds: Vec<TrackKind> = clusters.iter().map(|track| track.kind).collect();
         let rest_key = keys.start() + rest_key;
-        Self::of_clusters(part, keys, (&kinds, tracks, &cluster_of), budget, (rest_key, report))
+        let residual = report.steps.last().map_or(0.0, |step| step.residual);
+        let found = (rest_key, residual, report);
+        Self::of_clusters(part, keys, (&kinds, tracks, &cluster_of), budget, found)
     }
 
     /// The same clusters over fewer keys: smaller boxes, and trees over these. `keys` count in the whole animation.
@@ -102,7 +138,7 @@ impl Segment {
                 cluster_of[*triangle as usize] = number;
             }
         }
-        let found = (self.rest_key, self.report.clone());
+        let found = (self.rest_key, self.residual, self.report.clone());
         Self::of_clusters(part, keys, (&kinds, tracks, &cluster_of), budget, found)
     }
 
@@ -111,7 +147,7 @@ impl Segment {
         keys: RangeInclusive<usize>,
         (kinds, tracks, cluster_of): (&[TrackKind], Vec<KeyTrack>, &[u32]),
         budget: f64,
-        (rest_key, report): (usize, DecomposeReport),
+        (rest_key, residual, report): (usize, f64, DecomposeReport),
     ) -> Result<Self, BakeError> {
         let frames = &part.frames[keys.clone()];
         let homes = homes(&part.weld, &part.triangles, cluster_of);
@@ -154,6 +190,7 @@ impl Segment {
         let cost = expected_cost(entered);
         Ok(Self {
             rest_key,
+            residual,
             keys,
             clusters,
             stored,
