@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 pub enum Bounds {
     /// Around the poses of the sample section only. Between samples, and for poses from elsewhere, hits can be missed.
     Sampled,
+    /// Around the poses of the clusters' envelopes. A reader tells of each pose by how much it leaves them, and widens the
+    /// boxes accordingly: no pose misses a hit.
+    Envelope,
 }
 
 /// Everything in a file that is not a bulk array.

@@ -1,8 +1,8 @@
 use crate::{
     Meta,
     rows::{
-        BoneRow, CacheRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterRow, InfluenceRow, KdNodeRow, KeyRow,
-        KeyVertexRow, MorphDeltaRow, MorphSetRow, MorphTargetRow, NodeRow, PartRow, PrimitiveRow, ReferenceBoxRow,
+        BoneEnvelopeRow, BoneRow, CacheRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterMorphRow, ClusterRow, InfluenceRow, KdNodeRow, KeyRow,
+        KeyVertexRow, LeverRow, MorphDeltaRow, MorphEnvelopeRow, MorphSetRow, MorphTargetRow, NodeRow, PartRow, PoseSpaceRow, PrimitiveRow, ReferenceBoxRow,
         SampleRow, SegmentRow, TrackRow, TriangleRow, VertexRow,
     },
 };
@@ -145,4 +145,14 @@ sections! {
     references: u32,
     /// Fuzzy box of each reference's triangle.
     reference_boxes: ReferenceBoxRow,
+    /// Pose space of each cluster without a track; empty, like the four that follow, where the boxes are sampled.
+    pose_spaces: PoseSpaceRow,
+    /// Lever of each cluster bone of a cluster without a track.
+    levers: LeverRow,
+    /// Morph targets that displace each cluster's vertices.
+    cluster_morphs: ClusterMorphRow,
+    /// Relative motion of bones in the envelopes of each cluster.
+    bone_envelopes: BoneEnvelopeRow,
+    /// Morph weights in the envelopes of each cluster.
+    morph_envelopes: MorphEnvelopeRow,
 }

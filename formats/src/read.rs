@@ -70,6 +70,11 @@ fn borrow<'a>(header: &Header, sections: &Sections<'a>) -> Result<ModelView<'a>,
         kd_nodes: rows(sections, SectionKind::KdNodes)?,
         references: rows(sections, SectionKind::References)?,
         reference_boxes: rows(sections, SectionKind::ReferenceBoxes)?,
+        pose_spaces: rows(sections, SectionKind::PoseSpaces)?,
+        levers: rows(sections, SectionKind::Levers)?,
+        cluster_morphs: rows(sections, SectionKind::ClusterMorphs)?,
+        bone_envelopes: rows(sections, SectionKind::BoneEnvelopes)?,
+        morph_envelopes: rows(sections, SectionKind::MorphEnvelopes)?,
     })
 }
 

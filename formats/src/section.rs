@@ -1,6 +1,6 @@
 use crate::rows::{
-    BoneRow, CacheRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterRow, InfluenceRow, KdNodeRow, KeyRow, KeyVertexRow,
-    MorphDeltaRow, MorphSetRow, MorphTargetRow, NodeRow, PartRow, PrimitiveRow, ReferenceBoxRow, SampleRow, SegmentRow,
+    BoneEnvelopeRow, BoneRow, CacheRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterMorphRow, ClusterRow, InfluenceRow, KdNodeRow, KeyRow, KeyVertexRow, LeverRow,
+    MorphDeltaRow, MorphEnvelopeRow, MorphSetRow, MorphTargetRow, NodeRow, PartRow, PoseSpaceRow, PrimitiveRow, ReferenceBoxRow, SampleRow, SegmentRow,
     TrackRow, TriangleRow, VertexRow,
 };
 use bytemuck::{Pod, Zeroable};
@@ -70,6 +70,11 @@ section_kinds! {
     KdNodes b"KDND" KdNodeRow: "Nodes of the fuzzy trees.",
     References b"REFS" u32: "Triangle ids in the leaves.",
     ReferenceBoxes b"RBOX" ReferenceBoxRow: "Fuzzy boxes of the triangles in the leaves.",
+    PoseSpaces b"PSPC" PoseSpaceRow: "Pose spaces of the clusters.",
+    Levers b"LEVR" LeverRow: "Levers of the bones that move a cluster's vertices.",
+    ClusterMorphs b"CMOR" ClusterMorphRow: "Morph targets that displace a cluster's vertices.",
+    BoneEnvelopes b"BENV" BoneEnvelopeRow: "Relative motion of bones in the envelopes.",
+    MorphEnvelopes b"MENV" MorphEnvelopeRow: "Morph weights in the envelopes.",
 }
 
 impl SectionKind {

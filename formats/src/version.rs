@@ -10,16 +10,18 @@ pub enum FormatVersion {
     /// Static, rigid and skinned parts, morph targets, clips, fuzzy kd-trees over sampled boxes. Written by no release,
     /// and no longer read.
     V1_0,
-    /// Adds vertex caches, with their tracks and time segments.
+    /// Adds vertex caches, with their tracks and time segments. Written by no release, and no longer read.
     V1_1,
+    /// Adds pose spaces: boxes that hold for every pose.
+    V1_2,
 }
 
 impl FormatVersion {
     /// What this library writes.
-    pub const LATEST: Self = Self::V1_1;
+    pub const LATEST: Self = Self::V1_2;
 
     /// What this library reads.
-    pub const READABLE: &'static [Self] = &[Self::V1_1];
+    pub const READABLE: &'static [Self] = &[Self::V1_2];
 
     /// Major and minor number.
     #[must_use]
@@ -27,6 +29,7 @@ impl FormatVersion {
         match self {
             Self::V1_0 => (1, 0),
             Self::V1_1 => (1, 1),
+            Self::V1_2 => (1, 2),
         }
     }
 

@@ -69,6 +69,7 @@ pub fn write(model: &Model) -> Result<Vec<u8>, FormatError> {
 pub(crate) fn optional_features(bounds: Bounds) -> u64 {
     match bounds {
         Bounds::Sampled => FEATURE_SAMPLED_BOUNDS,
+        Bounds::Envelope => 0,
     }
 }
 
@@ -90,7 +91,7 @@ fn place(kind: SectionKind, bytes: &[u8], end: u64) -> Option<SectionEntry> {
 }
 
 /// The sections in file order. A new field of the model that is not written here does not compile.
-fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKind, &'a [u8]); 28] {
+fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKind, &'a [u8]); 33] {
     let ModelView {
         hashes: _,
         meta: _,
@@ -121,6 +122,11 @@ fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKin
         kd_nodes,
         references,
         reference_boxes,
+        pose_spaces,
+        levers,
+        cluster_morphs,
+        bone_envelopes,
+        morph_envelopes,
     } = *view;
     [
         (SectionKind::Meta, meta_bytes),
@@ -151,5 +157,10 @@ fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKin
         (SectionKind::KdNodes, cast_slice(kd_nodes)),
         (SectionKind::References, cast_slice(references)),
         (SectionKind::ReferenceBoxes, cast_slice(reference_boxes)),
+        (SectionKind::PoseSpaces, cast_slice(pose_spaces)),
+        (SectionKind::Levers, cast_slice(levers)),
+        (SectionKind::ClusterMorphs, cast_slice(cluster_morphs)),
+        (SectionKind::BoneEnvelopes, cast_slice(bone_envelopes)),
+        (SectionKind::MorphEnvelopes, cast_slice(morph_envelopes)),
     ]
 }

@@ -5,6 +5,7 @@
 mod cache;
 mod clip;
 mod cluster;
+mod envelope;
 mod kd_node;
 mod morph;
 mod part;
@@ -15,6 +16,7 @@ mod vertex;
 pub use cache::{CacheRow, KeyRow, KeyVertexRow, SegmentRow, TrackRow};
 pub use clip::{ChannelRow, ClipRow, Interpolation, Path, SampleRow};
 pub use cluster::{ClusterBoneRow, ClusterRow};
+pub use envelope::{BoneEnvelopeRow, ClusterMorphRow, LeverRow, MorphEnvelopeRow, PoseSpaceRow};
 pub use kd_node::{KdNode, KdNodeRow, MAX_KD_DEPTH};
 pub use morph::{MorphDeltaRow, MorphSetRow, MorphTargetRow};
 pub use part::{MotionClass, PartRow, PrimitiveRow};

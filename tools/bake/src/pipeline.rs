@@ -6,7 +6,7 @@ use crate::{
     motion::{Carried, Moving, classify, decompose, with_morph_caches},
     poses, trees,
 };
-use restpose_formats::{Bounds, Hashes, Model, geom::Aabb, rows::MotionClass};
+use restpose_formats::{Hashes, Model, geom::Aabb, rows::MotionClass};
 use std::time::Instant;
 
 /// A baked animation.
@@ -45,7 +45,6 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
     progress.advance(1);
     lap(&mut seconds.assemble);
 
-    let Bounds::Sampled = settings.bounds;
     model.samples = poses::sample_rows(&model, settings)?;
     progress.stage("sample", model.samples.len() as u64);
     let poses = poses::evaluate(&model, &model.samples, progress)?;

@@ -101,6 +101,7 @@ impl BakeSettings {
         };
         let bounds = match self.bounds {
             Bounds::Sampled => "sampled",
+            Bounds::Envelope => "envelope",
         };
         let mut out = vec![
             ("clips".to_owned(), clips),
