@@ -17,18 +17,20 @@
 //!    own track, and q lies in the boxes for every blend (the baker's `key_boxes`).
 //! 3. *Inverse.* `L(X q + t − c_w) + c_l = q + R(q)`, and R is evaluated after the fact, so nothing is assumed of how
 //!    the inverse was found.
-//! 4. *Triangle test.* A hit is an exact hit of a triangle moved by [`VERTEX_ERROR`]·D per axis, D the greatest
+//! 4. *Pose.* In a pose outside those that the boxes were made for, q leaves its boxes by at most the pose's excess
+//!    (`excess` holds the proof); the box of all of them is widened by it before anything else is derived from it.
+//! 5. *Triangle test.* A hit is an exact hit of a triangle moved by [`VERTEX_ERROR`]·D per axis, D the greatest
 //!    distance per axis from the ray's origin to the cluster's world box.
-//! 5. *Ray.* Transforming origin and direction costs γ₅ and γ₃ times `|L|·D`, for `|t·d|∞ ≤ D` wherever the ray is
+//! 6. *Ray.* Transforming origin and direction costs γ₅ and γ₃ times `|L|·D`, for `|t·d|∞ ≤ D` wherever the ray is
 //!    inside the world box; plus u·|c_l|.
-//! 6. *Slabs.* `((plane − o) ∓ margin)·(1/d)` has four roundings, 4u relative to `|plane − o|`.
+//! 7. *Slabs.* `((plane − o) ∓ margin)·(1/d)` has four roundings, 4u relative to `|plane − o|`.
 //!
-//! 1 to 3 make [`ClusterFrame::margin_local`], fixed for the frame; 4 to 6 are [`RAY_ERROR`]`·D·Σ|L|` and a term in
+//! 1 to 4 make [`LocalFrame::margin_local`], fixed for the frame; 5 to 7 are [`RAY_ERROR`]`·D·Σ|L|` and a term in
 //! the size of the local box, added when a ray enters.
 //!
 //! Boxes of single triangles are on a lattice, and a plane at step q is computed as `q·(step·(1/d)) + ((min − o) ∓
 //! margin)·(1/d)`: nine roundings, relative to `|min − o|` and the side of the box, which is at most twice its extent.
-//! That is within the 4u relative to `|plane − o|` of point 6 and 32u of the extent.
+//! That is within the 4u relative to `|plane − o|` of point 7 and 32u of the extent.
 //!
 //! Based on: Higham, *Accuracy and Stability of Numerical Algorithms*, §3; Ize, *Robust BVH Ray Traversal*, JCGT 2(2),
 //! 2013. Differs from Ize: he widens `t` of the far planes by 1 + 2γ; here the plane itself moves by an absolute
@@ -234,7 +236,7 @@ pub(crate) struct LocalFrame {
     linear: [[f32; 3]; 3],
     center_world: [f32; 3],
     center_local: [f32; 3],
-    /// Points 1 to 3, and the terms of 5 and 6 in the size of the local box.
+    /// Points 1 to 4, and the terms of 6 and 7 in the size of the local box.
     margin_local: [f32; 3],
     /// [`RAY_ERROR`]`·Σ|L|` per local axis.
     margin_per_distance: [f32; 3],
@@ -255,6 +257,8 @@ pub(crate) struct FrameInputs<'a> {
     pub vertex_error: f64,
     /// A second box around the cluster's exact vertices and the map of it to world space, where there is one.
     pub bounds: Option<(&'a Aabb, &'a PosedMap)>,
+    /// Bounds, per local axis, by how much fuzzy positions leave the fuzzy boxes in this pose.
+    pub excess: [f64; 3],
 }
 
 /// Relative error of the vertex function and of the palette entries that it reads, from
@@ -274,8 +278,8 @@ impl ClusterFrame {
         let frame = &inputs.frame.map;
         let inverse = invert_frame(frame)?;
         let x = frame.columns.map(|column| column.map(f64::from));
-        let local = Extents::new(inputs.bounds_local);
-        if local.reach.iter().any(|x| *x > EXTENT_LIMIT) {
+        let local = Extents::new(inputs.bounds_local).widened(inputs.excess);
+        if !local.reach.iter().all(|x| *x <= EXTENT_LIMIT) {
             return None;
         }
         let extent = local.reach;
@@ -326,11 +330,12 @@ impl ClusterFrame {
             rounding += bound + origin_bound + f64::from(center_local[k].abs());
 
             let (_, moved) = dot_and_bound(l[k], vertex_error);
-            // |c_l| once in point 5; planes of the local box twice the extent in point 6.
+            // |c_l| once in point 6; planes of the local box twice the extent in point 7.
             let box_rounding = 32.0 * UNIT_ROUNDOFF * (f64::from(center_local[k].abs()) + extent[k]);
             let scale = l[k][0].abs() + l[k][1].abs() + l[k][2].abs();
-            let margin = residual + moved + box_rounding + F64_SLACK * rounding + UNDERFLOW_FLOOR * (1.0 + scale);
-            // The last factor: point 6 relative to the margin itself, and its sum with the ray's part.
+            let own = residual + moved + box_rounding + F64_SLACK * rounding + UNDERFLOW_FLOOR * (1.0 + scale);
+            let margin = own + inputs.excess[k];
+            // The last factor: point 7 relative to the margin itself, and its sum with the ray's part.
             margin_local[k] = f32_above(margin * (1.0 + 8.0 * UNIT_ROUNDOFF));
             margin_per_distance[k] = f32_above(f64::from(RAY_ERROR) * scale);
         }
@@ -369,6 +374,15 @@ impl Extents {
             half: std::array::from_fn(|k| 0.5 * (max[k] - min[k])),
             reach: std::array::from_fn(|k| min[k].abs().max(max[k].abs())),
         }
+    }
+
+    /// The box widened by `excess` on both sides of each axis.
+    fn widened(mut self, excess: [f64; 3]) -> Self {
+        for k in 0..3 {
+            self.half[k] += excess[k];
+            self.reach[k] += excess[k];
+        }
+        self
     }
 
     /// The box around the image of this one, widened by `error`.
@@ -422,7 +436,7 @@ fn distance(origin: [f32; 3], bounds: &Aabb) -> f32 {
 }
 
 impl SlabRay {
-    /// The ray in world space, with the margin that boxes inside `bounds` need (points 4 and 6).
+    /// The ray in world space, with the margin that boxes inside `bounds` need (points 5 and 7).
     pub(crate) fn in_world(origin: [f32; 3], direction: [f32; 3], bounds: &Aabb) -> Self {
         let margin = WORLD_RAY_ERROR * distance(origin, bounds) + UNDERFLOW_FLOOR as f32;
         Self {

@@ -87,6 +87,20 @@ pub enum PoseError {
         /// Morph target row.
         target: usize,
     },
+    /// The pose is outside the pose space, and the caller wants none that is.
+    #[error(
+        "instance {instance} is outside its pose space: the cluster of bone {bone} ({name}) would need boxes wider by {excess:e}; bake for more poses, or allow it"
+    )]
+    OutsidePoseSpace {
+        /// Instance.
+        instance: usize,
+        /// Bone row of the cluster.
+        bone: usize,
+        /// Its name.
+        name: String,
+        /// Length by which the cluster's boxes would be widened, in its rest space.
+        excess: f64,
+    },
     /// The instance transform has an infinite or NaN entry.
     #[error("the instance transform has an infinite or NaN entry")]
     TransformNotFinite,

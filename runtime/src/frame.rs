@@ -23,6 +23,9 @@ pub struct ClusterBounds {
     pub cluster: u32,
     /// Contains every posed vertex of the cluster.
     pub bounds_world: Aabb,
+    /// By how much its boxes are widened, per local axis in rest space, for a pose outside the pose space that they were
+    /// made for; inside it is what rounding adds, and zero with sampled bounds.
+    pub excess: [f64; 3],
     /// Whether rays use the cluster's fuzzy tree: false where its frame has no usable inverse in this pose, and in free
     /// motion.
     pub has_inverse: bool,
@@ -121,6 +124,7 @@ impl Frame<'_> {
                 instance: InstanceId(entry.instance),
                 cluster: active.row,
                 bounds_world: active.frame.bounds_world,
+                excess: active.excess.local,
                 has_inverse: matches!(active.frame.way, Way::Local(_)),
             }
         })

@@ -3,6 +3,7 @@ use crate::{
     build::KdBuilder,
     cache::CacheState,
     cluster_frame::{ClusterFrame, FrameInputs, Map64, PosedMap, Way, invert_frame},
+    excess::{self, Excess, Motions},
     posed_tree::PosedTree,
     vertex::{pose_vertex, reach},
     vertex_memo::VertexMemo,
@@ -27,6 +28,9 @@ pub(crate) struct Instance {
     caches: Vec<CacheState>,
     /// What this frame traces: clusters without a track, then those of each cache's present segment.
     pub clusters: Vec<Active>,
+    /// Per cluster without a track: the envelope in which its pose was last found.
+    nearest_envelopes: Vec<u32>,
+    motions: Motions,
     /// Vertices posed in this frame.
     memo: VertexMemo,
     /// Trees over posed triangles, by the order of these among `clusters`.
@@ -41,6 +45,8 @@ pub(crate) struct Active {
     /// Cache row that moves its vertices, or `NONE`.
     pub cache: u32,
     pub frame: ClusterFrame,
+    /// How far the pose is from the poses that the cluster's boxes were made for.
+    pub excess: Excess,
 }
 
 impl Instance {
@@ -56,6 +62,8 @@ impl Instance {
             bones: Vec::new(),
             caches: Vec::new(),
             clusters: Vec::new(),
+            nearest_envelopes: vec![0; asset.model().pose_spaces.len()],
+            motions: Motions::default(),
             memo: VertexMemo::new(asset.model().vertices.len()),
             trees: Vec::new(),
         }
@@ -85,12 +93,13 @@ impl Instance {
         let without_track = model.clusters.partition_point(|cluster| cluster.track == NONE);
         let morph_extent = self.morph_extent(model);
         for (row, cluster) in (0..).zip(&model.clusters[..without_track]) {
-            let frame = self.bone_frame(model, cluster, morph_extent);
-            let frame = frame.unwrap_or_else(|| self.exhaustive_frame(model, cluster));
+            let found = self.bone_frame(model, row, morph_extent);
+            let (frame, excess) = found.unwrap_or_else(|| (self.exhaustive_frame(model, cluster), Excess::NONE));
             self.clusters.push(Active {
                 row,
                 cache: NONE,
                 frame,
+                excess,
             });
         }
         let mut trees = 0;
@@ -113,6 +122,7 @@ impl Instance {
                     row,
                     cache: index,
                     frame,
+                    excess: Excess::NONE,
                 });
             }
         }
@@ -128,10 +138,23 @@ impl Instance {
         extent
     }
 
-    fn bone_frame(&self, model: &ModelView, cluster: &ClusterRow, morph_extent: [f64; 3]) -> Option<ClusterFrame> {
-        // The baker judged samples without an instance transform; what it left out must not be traced here either.
-        invert_frame(&self.pose.palette[cluster.bone as usize])?;
-        ClusterFrame::new(&FrameInputs {
+    fn bone_frame(&mut self, model: &ModelView, row: u32, morph_extent: [f64; 3]) -> Option<(ClusterFrame, Excess)> {
+        let cluster = &model.clusters[row as usize];
+        // The baker judged poses without an instance transform; what it left out must not be traced here either.
+        let inverse = invert_frame(&self.pose.palette[cluster.bone as usize])?;
+        let excess = match self.nearest_envelopes.get_mut(row as usize) {
+            None => Excess::NONE,
+            Some(nearest) => excess::measure(
+                model,
+                row as usize,
+                &inverse,
+                &self.pose.palette,
+                &self.pose.morph_weights,
+                nearest,
+                &mut self.motions,
+            ),
+        };
+        let frame = ClusterFrame::new(&FrameInputs {
             frame: &self.bones[cluster.bone as usize],
             bounds_local: &cluster.bounds_local,
             reach: reach(model, cluster, |bone, extent| {
@@ -140,7 +163,9 @@ impl Instance {
             }),
             vertex_error: self.asset.vertex_error(),
             bounds: None,
-        })
+            excess: excess.local,
+        })?;
+        Some((frame, excess))
     }
 
     fn track_frame(
@@ -158,6 +183,7 @@ impl Instance {
             reach: reach(model, cluster, |track, extent| state.track(track).reach(extent)),
             vertex_error: self.asset.cache_vertex_error(),
             bounds: Some((&bounds, &self.bones[cache.bone as usize])),
+            excess: Excess::NONE.local,
         })
     }
 

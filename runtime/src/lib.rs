@@ -34,6 +34,7 @@ pub mod build;
 mod cache;
 mod cluster_frame;
 mod error;
+mod excess;
 mod frame;
 mod hit;
 mod instance;

@@ -201,6 +201,9 @@ impl Scene {
                     slot: slot as u32,
                 });
                 self.boxes.push(active.frame.bounds_world);
+                self.stats.clusters_outside += u32::from(active.excess.is_outside);
+                let excess = active.excess.local.into_iter().fold(0.0, f64::max);
+                self.stats.largest_excess = self.stats.largest_excess.max(excess as f32);
                 match &active.frame.way {
                     Way::Local(local) => {
                         self.stats.largest_margin = self.stats.largest_margin.max(local.largest_margin());
@@ -216,5 +219,28 @@ impl Scene {
         self.stats.clusters = self.entries.len() as u32;
         self.stats.top_level_nodes = self.top_level.nodes.len() as u32;
         Frame { scene: self }
+    }
+
+    /// As [`Scene::commit`], but refuses poses outside the pose space that their asset was baked for instead of tracing
+    /// them with wider boxes: for those who would rather bake again than pay for it.
+    ///
+    /// # Errors
+    /// [`PoseError::OutsidePoseSpace`], of the first cluster outside. Set another pose, or commit the same one.
+    pub fn commit_inside(&mut self) -> Result<Frame<'_>, PoseError> {
+        self.commit();
+        for (index, instance) in self.instances.iter().enumerate() {
+            let Some(active) = instance.clusters.iter().find(|active| active.excess.is_outside) else {
+                continue;
+            };
+            let model = instance.asset.model();
+            let bone = model.clusters[active.row as usize].bone as usize;
+            return Err(PoseError::OutsidePoseSpace {
+                instance: index,
+                bone,
+                name: model.meta.bone_names[bone].clone(),
+                excess: active.excess.local.into_iter().fold(0.0, f64::max),
+            });
+        }
+        Ok(Frame { scene: self })
     }
 }

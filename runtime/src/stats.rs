@@ -11,10 +11,15 @@ pub struct FrameStats {
     /// Clusters of vertex caches whose trees were built for this frame over all of their posed triangles: in free motion,
     /// and where a cluster turns over or collapses between two keys.
     pub clusters_rebuilt: u32,
+    /// Clusters whose pose is outside the pose space that their boxes were made for, by more than rounding: they are
+    /// traced with wider boxes. Always 0 with sampled bounds, which do not know.
+    pub clusters_outside: u32,
+    /// Largest length by which a cluster's boxes are widened for that, in the cluster's rest space.
+    pub largest_excess: f32,
     /// Nodes of the top-level tree.
     pub top_level_nodes: u32,
-    /// Largest length by which a cluster's boxes are widened for every ray, in the cluster's rest space. Rounding
-    /// only: what a ray adds in proportion to its distance is not in it.
+    /// Largest length by which a cluster's boxes are widened for every ray, in the cluster's rest space: rounding and
+    /// the excess of its pose. What a ray adds in proportion to its distance is not in it.
     pub largest_margin: f32,
 }
 

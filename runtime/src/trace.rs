@@ -189,6 +189,7 @@ fn enter_cluster<const ANY: bool>(
         row: number,
         cache,
         frame,
+        excess: _,
     } = &state.clusters[slot as usize];
     let model = state.asset.model();
     let row = &model.clusters[*number as usize];
