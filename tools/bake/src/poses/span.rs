@@ -1,0 +1,355 @@
+//! The poses of a clip, span by span, with bounds of everything that happens in between.
+//!
+//! A clip's channels are smooth between their keys. So the poses between two times that no key separates form a span:
+//! translations and scales are lines or cubics there, whose derivatives are known, and rotations move on arcs of known
+//! speed or are cubics brought to length one. What a span says of a bone's motion against another follows by the product
+//! rule along the skeleton ([`SpanMap::after`]), so it holds at all times, at overshoots of cubic splines and in the middle
+//! of arcs as well.
+
+use super::span_map::{SpanMap, SpanNumber};
+use glam::{DMat3, DQuat, DVec4};
+use restpose_formats::{
+    Model,
+    rows::{ChannelRow, Interpolation, Local, NONE, NodeRow, Path},
+};
+
+/// A stretch of a clip.
+pub(crate) struct Span {
+    /// Per node row.
+    pub nodes: Vec<NodeSpan>,
+    /// Per morph target row.
+    pub morph_weights: Vec<SpanNumber>,
+}
+
+/// A node's local map over a span.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NodeSpan {
+    translation: [SpanNumber; 3],
+    rotation: RotationSpan,
+    scale: [SpanNumber; 3],
+    /// What takes the place of rotation and scale in a node with a matrix.
+    matrix: Option<[[f64; 3]; 3]>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct RotationSpan {
+    begin: DQuat,
+    end: DQuat,
+    /// Radians per span.
+    speed: f64,
+    /// Radians per span, squared; infinite where nothing is known.
+    acceleration: f64,
+}
+
+impl RotationSpan {
+    fn constant(rotation: DQuat) -> Self {
+        Self {
+            begin: rotation,
+            end: rotation,
+            speed: 0.0,
+            acceleration: 0.0,
+        }
+    }
+}
+
+impl NodeSpan {
+    fn at_rest(row: &NodeRow) -> Self {
+        match row.local() {
+            Local::Matrix(columns) => {
+                let columns = columns.map(|column| column.map(f64::from));
+                Self {
+                    translation: columns[3].map(SpanNumber::constant),
+                    rotation: RotationSpan::constant(DQuat::IDENTITY),
+                    scale: [SpanNumber::constant(1.0); 3],
+                    matrix: Some([columns[0], columns[1], columns[2]]),
+                }
+            }
+            Local::Trs {
+                translation,
+                rotation,
+                scale,
+            } => Self {
+                translation: translation.map(|x| SpanNumber::constant(x.into())),
+                rotation: RotationSpan::constant(unit(DVec4::from(rotation.map(f64::from)))),
+                scale: scale.map(|x| SpanNumber::constant(x.into())),
+                matrix: None,
+            },
+        }
+    }
+
+    /// Parent from node.
+    pub(crate) fn forward(&self) -> [SpanMap; 2] {
+        let [begin, end] = [self.rotation.begin, self.rotation.end].map(|q| DMat3::from_quat(q).to_cols_array_2d());
+        let linear = match self.matrix {
+            Some([x, y, z]) => SpanMap::constant([x, y, z, [0.0; 3]]),
+            None => SpanMap::rotation(begin, end, self.rotation.speed, self.rotation.acceleration)
+                .after(&SpanMap::scale(self.scale)),
+        };
+        [SpanMap::translation(self.translation), linear]
+    }
+
+    /// Node from parent; `None` where a scale may be zero.
+    pub(crate) fn backward(&self) -> Option<[SpanMap; 2]> {
+        let linear = if let Some(columns) = self.matrix {
+            let inverse = DMat3::from_cols_array_2d(&columns).inverse();
+            let [x, y, z] = inverse.to_cols_array_2d();
+            inverse.is_finite().then(|| SpanMap::constant([x, y, z, [0.0; 3]]))?
+        } else {
+            let [x, y, z] = self.scale;
+            let scale = SpanMap::scale([x.inverted()?, y.inverted()?, z.inverted()?]);
+            let [begin, end] = [self.rotation.begin, self.rotation.end]
+                .map(|q| DMat3::from_quat(q).transpose().to_cols_array_2d());
+            let rotation = SpanMap::rotation(begin, end, self.rotation.speed, self.rotation.acceleration);
+            scale.after(&rotation)
+        };
+        Some([linear, SpanMap::translation(self.translation.map(SpanNumber::negated))])
+    }
+}
+
+impl Span {
+    /// The pose without any clip.
+    pub(crate) fn at_rest(model: &Model) -> Self {
+        Self {
+            nodes: model.nodes.iter().map(NodeSpan::at_rest).collect(),
+            morph_weights: model
+                .morph_targets
+                .iter()
+                .map(|target| SpanNumber::constant(target.default_weight.into()))
+                .collect(),
+        }
+    }
+
+    /// Clip `clip` from `begin` to `end` seconds, which do not lie on different sides of any key. At `end` it is where the
+    /// clip comes from before, whether or not it jumps there.
+    pub(crate) fn of_clip(model: &Model, clip: usize, begin: f64, end: f64) -> Self {
+        let mut out = Self::at_rest(model);
+        let row = &model.clips[clip];
+        for channel in &model.channels[row.channel_first as usize..][..row.channel_count as usize] {
+            let piece = Piece::new(model, channel, begin, end);
+            match Path::from_number(channel.path) {
+                Some(Path::Translation) => {
+                    out.nodes[channel.target as usize].translation = std::array::from_fn(|k| piece.number(k));
+                }
+                Some(Path::Scale) => {
+                    out.nodes[channel.target as usize].scale = std::array::from_fn(|k| piece.number(k));
+                }
+                Some(Path::Rotation) => out.nodes[channel.target as usize].rotation = piece.rotation(),
+                Some(Path::Weights) => {
+                    let set = &model.morph_sets[channel.target as usize];
+                    for k in 0..set.target_count as usize {
+                        out.morph_weights[set.target_first as usize + k] = piece.number(k);
+                    }
+                }
+                Some(Path::Frame) | None => {}
+            }
+        }
+        out
+    }
+
+    /// The greatest angle by which a node turns against its parent, radians.
+    pub(crate) fn greatest_turn(&self) -> f64 {
+        let turn = |rotation: &RotationSpan| rotation.speed + rotation.acceleration.sqrt();
+        self.nodes.iter().map(|node| turn(&node.rotation)).fold(0.0, f64::max)
+    }
+}
+
+/// A channel over a span: the key that it comes from, and what part of the way to the next one the span takes.
+struct Piece<'a> {
+    values: &'a [f32],
+    width: usize,
+    interpolation: Interpolation,
+    key: usize,
+    /// Parts of the way at the span's ends, equal where nothing moves.
+    from: f64,
+    to: f64,
+    /// From the key to the next, seconds.
+    step_seconds: f64,
+}
+
+impl<'a> Piece<'a> {
+    fn new(model: &'a Model, channel: &ChannelRow, begin: f64, end: f64) -> Self {
+        let interpolation = Interpolation::from_number(channel.interpolation).unwrap_or(Interpolation::Step);
+        let (width, keys) = (channel.width as usize, channel.key_count as usize);
+        let times = &model.key_times[channel.time_first as usize..][..keys];
+        let count = keys * width * interpolation.values_per_key() as usize;
+        let key = times.partition_point(|time| f64::from(*time) <= begin).saturating_sub(1);
+        let mut piece = Self {
+            values: &model.key_values[channel.value_first as usize..][..count],
+            width,
+            interpolation,
+            key,
+            from: 0.0,
+            to: 0.0,
+            step_seconds: 0.0,
+        };
+        let start = f64::from(times[key]);
+        if begin >= start && key + 1 < keys && interpolation != Interpolation::Step {
+            piece.step_seconds = f64::from(times[key + 1]) - start;
+            piece.from = (begin - start) / piece.step_seconds;
+            piece.to = ((end - start) / piece.step_seconds).min(1.0);
+        }
+        piece
+    }
+
+    fn is_still(&self) -> bool {
+        self.step_seconds == 0.0
+    }
+
+    /// Component `k` of key `key`: `part` 0 is the in-tangent, 1 the value, 2 the out-tangent of a cubic spline.
+    fn component(&self, key: usize, part: usize, k: usize) -> f64 {
+        let row = match self.interpolation {
+            Interpolation::CubicSpline => key * 3 + part,
+            _ => key,
+        };
+        f64::from(self.values[row * self.width + k])
+    }
+
+    fn number(&self, k: usize) -> SpanNumber {
+        let a = self.component(self.key, 1, k);
+        if self.is_still() {
+            return SpanNumber::constant(a);
+        }
+        let b = self.component(self.key + 1, 1, k);
+        let way = self.to - self.from;
+        if self.interpolation == Interpolation::Linear {
+            let at = |s: f64| (1.0 - s) * a + s * b;
+            return SpanNumber {
+                begin: at(self.from),
+                end: at(self.to),
+                rate: (b - a).abs() * way,
+                curvature: 0.0,
+            };
+        }
+        let out = self.step_seconds * self.component(self.key, 2, k);
+        let into = self.step_seconds * self.component(self.key + 1, 0, k);
+        // Hermite's cubic as a + s·(out + s·(square + s·cube)).
+        let (square, cube) = (3.0 * (b - a) - 2.0 * out - into, 2.0 * (a - b) + out + into);
+        let at = |s: f64| a + s * (out + s * (square + s * cube));
+        let slope = |s: f64| (out + s * (2.0 * square + s * 3.0 * cube)).abs();
+        // The second derivative is a line: its ends bound it.
+        let bend = |s: f64| (2.0 * square + s * 6.0 * cube).abs();
+        let curvature = bend(self.from).max(bend(self.to)) * way * way;
+        SpanNumber {
+            begin: at(self.from),
+            end: at(self.to),
+            rate: slope(self.from).max(slope(self.to)) * way + curvature,
+            curvature,
+        }
+    }
+
+    fn rotation(&self) -> RotationSpan {
+        let key = |key: usize| DVec4::from_array(std::array::from_fn(|k| self.component(key, 1, k)));
+        if self.is_still() {
+            return RotationSpan::constant(unit(key(self.key)));
+        }
+        if self.interpolation == Interpolation::Linear {
+            return arc(unit(key(self.key)), unit(key(self.key + 1)), self.from, self.to);
+        }
+        let numbers: [SpanNumber; 4] = std::array::from_fn(|k| self.number(k));
+        let length = |of: fn(&SpanNumber) -> f64| numbers.iter().map(|n| of(n) * of(n)).sum::<f64>().sqrt();
+        let (rate, curvature) = (length(|n| n.rate), length(|n| n.curvature));
+        let [begin, end] = [|n: &SpanNumber| n.begin, |n: &SpanNumber| n.end]
+            .map(|of| DVec4::from_array(numbers.each_ref().map(of)));
+        // The cubic keeps at least this far from zero: the nearest point of the straight way, less what it bends.
+        let nearest = nearest_to_zero(begin, end) - 0.125 * curvature;
+        // n = q/|q| moves at |n′| ≤ |q′|/|q| and bends by |n″| ≤ |q″|/|q| + 2|q′|²/|q|²; a rotation turns twice as fast.
+        let (speed, acceleration) = if nearest > 0.0 {
+            let (moved, bent) = (rate / nearest, curvature / nearest);
+            (2.0 * moved, 2.0 * (bent + 2.0 * moved * moved))
+        } else {
+            (f64::INFINITY, f64::INFINITY)
+        };
+        RotationSpan {
+            begin: unit(begin),
+            end: unit(end),
+            speed,
+            acceleration,
+        }
+    }
+}
+
+/// The quaternion at length one; the identity where it has no length, as the runtime has it.
+fn unit(q: DVec4) -> DQuat {
+    let length = q.length();
+    if length > 0.0 && length.is_finite() {
+        DQuat::from_vec4(q / length)
+    } else {
+        DQuat::IDENTITY
+    }
+}
+
+/// Distance of the segment between two points from the origin.
+fn nearest_to_zero(a: DVec4, b: DVec4) -> f64 {
+    let way = b - a;
+    let place = -a.dot(way) / way.length_squared();
+    if place.is_nan() {
+        return a.length();
+    }
+    (a + way * place.clamp(0.0, 1.0)).length()
+}
+
+/// The shorter arc between two rotations, from one part of the way to another.
+fn arc(a: DQuat, b: DQuat, from: f64, to: f64) -> RotationSpan {
+    let b = if a.dot(b) < 0.0 { -b } else { b };
+    let angle = 2.0 * (a - b).length().atan2((a + b).length());
+    let at = |s: f64| {
+        let sine = angle.sin();
+        if sine > 0.0 {
+            let (p, q) = (((1.0 - s) * angle).sin() / sine, (s * angle).sin() / sine);
+            unit(DVec4::from(a * p + b * q))
+        } else {
+            a
+        }
+    };
+    RotationSpan {
+        begin: at(from),
+        end: at(to),
+        speed: 2.0 * angle * (to - from),
+        acceleration: 0.0,
+    }
+}
+
+/// Spans that a pose space is cut into at most, beyond what its samples ask for. More would only make its envelopes
+/// thinner by the last few percent.
+const MOST_SPANS: usize = 16_384;
+
+/// Spans are cut so that no node turns by more than this within one, radians: four degrees bend a path by 0.06 % of its
+/// lever.
+const GREATEST_TURN: f64 = 4.0 * std::f64::consts::PI / 180.0;
+
+/// Cuts of one span at most.
+const MOST_CUTS: f64 = 64.0;
+
+/// All spans of the clips that `model.samples` names, between their consecutive times, and the pose without clips.
+pub(crate) fn spans(model: &Model) -> Vec<Span> {
+    let mut stretches = Vec::new();
+    for pair in model.samples.windows(2) {
+        let [a, b] = [pair[0], pair[1]];
+        if a.clip != NONE && a.clip == b.clip {
+            stretches.push((a.clip as usize, f64::from(a.seconds), f64::from(b.seconds)));
+        }
+    }
+    // Samples that stand alone, and the last of each clip: where a channel jumps, it jumps there.
+    for (place, sample) in model.samples.iter().enumerate() {
+        let next = model.samples.get(place + 1);
+        if sample.clip != NONE && next.is_none_or(|next| next.clip != sample.clip) {
+            stretches.push((sample.clip as usize, f64::from(sample.seconds), f64::from(sample.seconds)));
+        }
+    }
+    let turns: Vec<f64> = stretches
+        .iter()
+        .map(|(clip, begin, end)| Span::of_clip(model, *clip, *begin, *end).greatest_turn())
+        .collect();
+    let cuts = |turn: f64, step: f64| (turn / step).ceil().clamp(1.0, MOST_CUTS) as usize;
+    let mut step = GREATEST_TURN;
+    while stretches.len() < MOST_SPANS && turns.iter().map(|turn| cuts(*turn, step)).sum::<usize>() > MOST_SPANS {
+        step *= 2.0;
+    }
+    let mut out = vec![Span::at_rest(model)];
+    for ((clip, begin, end), turn) in stretches.into_iter().zip(turns) {
+        let count = if out.len() < MOST_SPANS { cuts(turn, step) } else { 1 };
+        let time = |cut: usize| if cut == count { end } else { begin + (end - begin) * cut as f64 / count as f64 };
+        out.extend((0..count).map(|cut| Span::of_clip(model, clip, time(cut), time(cut + 1))));
+    }
+    out
+}
