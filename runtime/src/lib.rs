@@ -55,7 +55,7 @@ pub use cluster_frame::invert_frame;
 pub use error::{OpenError, PoseError};
 pub use frame::{ClusterBounds, Frame};
 pub use hit::{Hit, InstanceId};
-pub use pose::{Pose, PoseEvaluator};
+pub use pose::{NodeLocal, Pose, PoseEvaluator};
 pub use ray::Ray;
 /// What is in a file: the types behind [`Asset::model`].
 pub use restpose_formats as formats;

@@ -1,15 +1,18 @@
 //! Clip playback: node transforms from channels, world transforms from nodes, the palette from bones.
 
 mod curve;
+mod node_local;
 
-use curve::{Curve, normalized};
+pub use node_local::NodeLocal;
+
+use curve::Curve;
 use restpose_formats::{
     ModelView,
     geom::Affine,
-    rows::{Local, NONE, Path},
+    rows::{NONE, Path},
 };
 
-/// World from node, four columns of three.
+/// An affine map, four columns of three.
 type Columns = [[f64; 3]; 4];
 
 /// A pose of an asset.
@@ -26,18 +29,8 @@ pub struct Pose {
 /// Evaluates clips; owns the scratch that this takes, so that poses allocate nothing once it has grown.
 #[derive(Debug, Default)]
 pub struct PoseEvaluator {
-    locals: Vec<NodePose>,
+    locals: Vec<NodeLocal>,
     worlds: Vec<Columns>,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum NodePose {
-    Trs {
-        translation: [f64; 3],
-        rotation: [f64; 4],
-        scale: [f64; 3],
-    },
-    Matrix(Columns),
 }
 
 impl PoseEvaluator {
@@ -47,6 +40,23 @@ impl PoseEvaluator {
     /// Guarantee: the same bits on every platform. Times outside a channel's keys take its first or last value. A clip
     /// that the model does not have, and a NaN time, give the pose without any clip.
     pub fn evaluate(&mut self, model: &ModelView, clip: Option<usize>, seconds: f32, pose: &mut Pose) {
+        self.evaluate_with(model, clip, seconds, pose, |_, _| {});
+    }
+
+    /// As [`Self::evaluate`], with a last word on every node: `change` gets each node row's number and its local map, and
+    /// may change it. Rotations that it writes are of unit length. This is the way to poses that no clip holds: ragdolls,
+    /// inverse kinematics, random poses.
+    ///
+    /// Guarantee: as [`Self::evaluate`], which it equals bit for bit where `change` changes nothing. Numbers that are not
+    /// finite come out of the palette as such.
+    pub fn evaluate_with(
+        &mut self,
+        model: &ModelView,
+        clip: Option<usize>,
+        seconds: f32,
+        pose: &mut Pose,
+        mut change: impl FnMut(usize, &mut NodeLocal),
+    ) {
         let Pose {
             palette,
             morph_weights,
@@ -54,7 +64,7 @@ impl PoseEvaluator {
         } = pose;
         self.locals.clear();
         self.locals
-            .extend(model.nodes.iter().map(|row| NodePose::new(row.local())));
+            .extend(model.nodes.iter().map(|row| NodeLocal::new(row.local())));
         morph_weights.clear();
         morph_weights.extend(model.morph_targets.iter().map(|target| target.default_weight));
 
@@ -82,6 +92,10 @@ impl PoseEvaluator {
             }
         }
 
+        for (node, local) in self.locals.iter_mut().enumerate() {
+            change(node, local);
+        }
+
         self.worlds.clear();
         for (row, local) in model.nodes.iter().zip(&self.locals) {
             let columns = local.columns();
@@ -104,74 +118,6 @@ impl PoseEvaluator {
                 columns: x.map(|column| column.map(|entry| entry as f32)),
             }
         }));
-    }
-}
-
-impl NodePose {
-    fn new(local: Local) -> Self {
-        match local {
-            Local::Trs {
-                translation,
-                rotation,
-                scale,
-            } => Self::Trs {
-                translation: translation.map(f64::from),
-                rotation: normalized(rotation.map(f64::from)),
-                scale: scale.map(f64::from),
-            },
-            Local::Matrix(columns) => Self::Matrix(columns.map(|column| column.map(f64::from))),
-        }
-    }
-
-    /// Takes a channel's value; a matrix has none that a channel could move.
-    fn set(&mut self, curve: &Curve, seconds: f32) {
-        let Self::Trs {
-            translation,
-            rotation,
-            scale,
-        } = self
-        else {
-            return;
-        };
-        let vector = || std::array::from_fn(|k| curve.scalar(seconds, k));
-        match curve.path() {
-            Path::Translation => *translation = vector(),
-            Path::Rotation => *rotation = curve.rotation(seconds),
-            Path::Scale => *scale = vector(),
-            Path::Weights | Path::Frame => {}
-        }
-    }
-
-    /// Translation · rotation · scale (glTF 2.0 §3.5.3).
-    fn columns(&self) -> Columns {
-        match *self {
-            Self::Matrix(columns) => columns,
-            Self::Trs {
-                translation,
-                rotation: [x, y, z, w],
-                scale,
-            } => {
-                let axes = [
-                    [
-                        1.0 - 2.0 * (y * y + z * z),
-                        2.0 * (x * y + z * w),
-                        2.0 * (x * z - y * w),
-                    ],
-                    [
-                        2.0 * (x * y - z * w),
-                        1.0 - 2.0 * (x * x + z * z),
-                        2.0 * (y * z + x * w),
-                    ],
-                    [
-                        2.0 * (x * z + y * w),
-                        2.0 * (y * z - x * w),
-                        1.0 - 2.0 * (x * x + y * y),
-                    ],
-                ];
-                let scaled = |k: usize| axes[k].map(|entry| entry * scale[k]);
-                [scaled(0), scaled(1), scaled(2), translation]
-            }
-        }
     }
 }
 

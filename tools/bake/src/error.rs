@@ -1,3 +1,4 @@
+use crate::JointLimitsError;
 use restpose_formats::{FormatError, rows::MotionClass};
 
 /// Why an animation was not baked.
@@ -11,12 +12,14 @@ pub enum BakeError {
         found: f64,
     },
     /// A setting is out of its range.
-    #[error("{name}: {found} given; expected a number from 0 to {most}")]
+    #[error("{name}: {found} given; expected a number from {least} to {most}")]
     Setting {
         /// Setting.
         name: &'static str,
         /// Number given.
         found: f64,
+        /// Least number allowed.
+        least: f64,
         /// Greatest number allowed.
         most: f64,
     },
@@ -28,6 +31,17 @@ pub enum BakeError {
         /// Names there are, or numbers where there is no name.
         known: Vec<String>,
     },
+    /// The clip that the pose space is to be made of is not in the file.
+    #[error("the pose space has no clip {name:?}; the file has: {known}", known = if .known.is_empty() { "none".to_owned() } else { .known.join(", ") })]
+    PoseSpaceClip {
+        /// Name asked for.
+        name: String,
+        /// Names of the clips of the file, or numbers where there is no name.
+        known: Vec<String>,
+    },
+    /// Joint limits that do not fit.
+    #[error(transparent)]
+    JointLimits(#[from] JointLimitsError),
     /// A class was given for a part that does not exist.
     #[error("no part is called {name:?}; the source has: {known}", known = .known.join(", "))]
     UnknownPart {
@@ -67,14 +81,12 @@ pub enum BakeError {
         found: u64,
     },
     /// A pose overflows the range of `f32`.
-    #[error("bone {bone:?} leaves the range of f32 in clip {clip:?} at {seconds} s: scale the scene down")]
+    #[error("bone {bone:?} leaves the range of f32 {pose}: scale the scene down")]
     PoseOverflow {
         /// Bone.
         bone: String,
-        /// Clip; empty for the pose without one.
-        clip: String,
-        /// Time.
-        seconds: f32,
+        /// Which pose: in a clip at a time, without any clip, or a random one.
+        pose: String,
     },
     /// No triangle has an area.
     #[error("no triangle has an area in any pose: there is nothing to trace")]

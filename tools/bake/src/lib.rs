@@ -22,6 +22,7 @@ pub use caches::{CacheReport, SegmentReport};
 pub use error::BakeError;
 pub use motion::keyframed::{DecomposeReport, DecomposeSettings};
 pub use pipeline::{Baked, bake};
+pub use poses::{JointLimits, JointLimitsError, JointRange, LimitSettings, PoseSpace};
 pub use progress::{NoProgress, Progress};
 pub use report::{BakeReport, PartReport, StageSeconds};
 pub use restpose_formats::rows::MotionClass;

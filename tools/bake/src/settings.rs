@@ -1,7 +1,12 @@
-use crate::{BakeError, DecomposeSettings};
+use crate::{BakeError, DecomposeSettings, PoseSpace};
 use restpose_formats::{Bounds, rows::MotionClass};
 
-/// Which clips the pose space is made of.
+/// Most random poses that a bake takes.
+const MOST_SAMPLES: usize = 100_000;
+/// Most envelopes that a cluster may have.
+const MOST_ENVELOPES: usize = 1024;
+
+/// Which clips are kept.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum ClipSelection {
     /// All clips of the source.
@@ -14,12 +19,20 @@ pub enum ClipSelection {
 /// What a bake does. Each field changes the file and is part of its options hash.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BakeSettings {
-    /// Clips to keep and to sample. Default: all.
+    /// Clips to keep. Default: all.
     pub clips: ClipSelection,
+    /// Poses that the boxes are made for. Default: those of the clips that are kept.
+    pub pose_space: PoseSpace,
+    /// Random poses of a pose space that has some, at most 100,000. Default: [`PoseSpace::default_samples`].
+    pub pose_samples: Option<usize>,
+    /// Seed of the random poses. Default 1.
+    pub seed: u64,
     /// Greatest step between sampled poses of a clip, seconds, above zero. Default 1/60. Key times are sampled too.
     pub sample_step_seconds: f64,
     /// How fuzzy boxes are bounded. Default: around the samples.
     pub bounds: Bounds,
+    /// Most envelopes of a cluster, 1 to 1024, where boxes are bounded by envelopes. Default 16.
+    pub envelopes: usize,
     /// Classes that the user decides, as part name and class. `static` freezes a part in the pose without any clip,
     /// `rigid` keeps a bone for a part that no clip moves.
     pub class_overrides: Vec<(String, MotionClass)>,
@@ -55,8 +68,12 @@ impl Default for BakeSettings {
     fn default() -> Self {
         Self {
             clips: ClipSelection::All,
+            pose_space: PoseSpace::Clips,
+            pose_samples: None,
+            seed: 1,
             sample_step_seconds: 1.0 / 60.0,
             bounds: Bounds::Sampled,
+            envelopes: 16,
             class_overrides: Vec::new(),
             position_error: None,
             motion: DecomposeSettings::default(),
@@ -67,26 +84,51 @@ impl Default for BakeSettings {
 }
 
 impl BakeSettings {
+    /// Random poses that the pose space asks for.
+    pub(crate) fn random_samples(&self) -> usize {
+        let default = self.pose_space.default_samples();
+        if self.pose_space.is_random() {
+            self.pose_samples.unwrap_or(default)
+        } else {
+            default
+        }
+    }
+
     /// Refuses settings that no bake can follow.
     ///
     /// # Errors
-    /// [`BakeError::SampleStep`], [`BakeError::Setting`].
+    /// [`BakeError::SampleStep`], [`BakeError::Setting`], [`BakeError::JointLimits`].
     pub fn check(&self) -> Result<(), BakeError> {
         if !(self.sample_step_seconds.is_finite() && self.sample_step_seconds > 0.0) {
             return Err(BakeError::SampleStep {
                 found: self.sample_step_seconds,
             });
         }
+        let slack = if let PoseSpace::Limits(limits) = &self.pose_space {
+            limits.joints.check()?;
+            limits.slack_deg
+        } else {
+            0.0
+        };
+        let samples = self.random_samples() as f64;
         let numbers = [
-            ("position error", self.position_error.unwrap_or(0.0), f64::INFINITY),
-            ("iteration threshold", self.motion.iteration_threshold, 1.0),
-            ("cluster threshold", self.motion.cluster_threshold, 1.0),
-            ("segment worth", self.segments.worth, f64::INFINITY),
-            ("rays per frame", self.rays_per_frame, f64::INFINITY),
+            ("limit slack", slack, 0.0, 180.0),
+            ("pose samples", samples, 0.0, MOST_SAMPLES as f64),
+            ("envelopes", self.envelopes as f64, 1.0, MOST_ENVELOPES as f64),
+            ("position error", self.position_error.unwrap_or(0.0), 0.0, f64::INFINITY),
+            ("iteration threshold", self.motion.iteration_threshold, 0.0, 1.0),
+            ("cluster threshold", self.motion.cluster_threshold, 0.0, 1.0),
+            ("segment worth", self.segments.worth, 0.0, f64::INFINITY),
+            ("rays per frame", self.rays_per_frame, 0.0, f64::INFINITY),
         ];
-        for (name, found, most) in numbers {
-            if !(found.is_finite() && (0.0..=most).contains(&found)) {
-                return Err(BakeError::Setting { name, found, most });
+        for (name, found, least, most) in numbers {
+            if !(found.is_finite() && (least..=most).contains(&found)) {
+                return Err(BakeError::Setting {
+                    name,
+                    found,
+                    least,
+                    most,
+                });
             }
         }
         Ok(())
@@ -99,15 +141,25 @@ impl BakeSettings {
             ClipSelection::All => "all".to_owned(),
             ClipSelection::Named(names) => format!("{names:?}"),
         };
-        let bounds = match self.bounds {
-            Bounds::Sampled => "sampled",
-            Bounds::Envelope => "envelope",
-        };
-        let mut out = vec![
-            ("clips".to_owned(), clips),
-            ("sample_step_seconds".to_owned(), self.sample_step_seconds.to_string()),
-            ("bounds".to_owned(), bounds.to_owned()),
-        ];
+        let mut out = vec![("clips".to_owned(), clips)];
+        let mut add = |name: &str, value: String| out.push((name.to_owned(), value));
+        add("pose_space", self.pose_space.listed());
+        if self.pose_space.is_random() {
+            add("pose_samples", self.random_samples().to_string());
+            add("seed", self.seed.to_string());
+        }
+        if let PoseSpace::Limits(limits) = &self.pose_space {
+            add("joint_limits", limits.joints.listed());
+            add("limit_slack_deg", limits.slack_deg.to_string());
+        }
+        add("sample_step_seconds", self.sample_step_seconds.to_string());
+        match self.bounds {
+            Bounds::Sampled => add("bounds", "sampled".to_owned()),
+            Bounds::Envelope => {
+                add("bounds", "envelope".to_owned());
+                add("envelopes", self.envelopes.to_string());
+            }
+        }
         let auto = "2^-16 of the diagonal".to_owned();
         let motion = &self.motion;
         for (name, value) in [
@@ -125,7 +177,7 @@ impl BakeSettings {
             ("segment_worth", self.segments.worth.to_string()),
             ("rays_per_frame", self.rays_per_frame.to_string()),
         ] {
-            out.push((name.to_owned(), value));
+            add(name, value);
         }
         out.extend_from_slice(import_options);
         for (part, class) in &self.class_overrides {

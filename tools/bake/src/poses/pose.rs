@@ -18,6 +18,30 @@ pub(crate) struct SampledPose {
     pub inverses: Vec<Option<[[f64; 3]; 3]>>,
 }
 
+impl SampledPose {
+    /// A pose of `model`; `which` says in messages which one it is.
+    ///
+    /// # Errors
+    /// [`BakeError::PoseOverflow`].
+    pub(crate) fn new(model: &Model, pose: Pose, which: impl FnOnce() -> String) -> Result<Self, BakeError> {
+        let Pose {
+            palette,
+            morph_weights,
+            cache_frames: _,
+        } = pose;
+        if let Some(bone) = palette.iter().position(|x| !x.is_finite()) {
+            let bone = model.meta.bone_names[bone].clone();
+            return Err(BakeError::PoseOverflow { bone, pose: which() });
+        }
+        let inverses = palette.iter().map(invert_frame).collect();
+        Ok(Self {
+            palette,
+            morph_weights,
+            inverses,
+        })
+    }
+}
+
 /// Evaluates the samples on all cores; order and bits do not depend on how many there are.
 pub(crate) fn evaluate(
     model: &Model,
@@ -31,27 +55,12 @@ pub(crate) fn evaluate(
             let clip = (sample.clip != NONE).then_some(sample.clip as usize);
             let mut pose = Pose::default();
             evaluator.evaluate(&view, clip, sample.seconds, &mut pose);
-            let Pose {
-                palette,
-                morph_weights,
-                cache_frames: _,
-            } = pose;
-            if let Some(bone) = palette.iter().position(|x| !x.is_finite()) {
-                let bone = model.meta.bone_names[bone].clone();
-                let clip = clip.map_or(String::new(), |clip| model.meta.clip_names[clip].clone());
-                return Err(BakeError::PoseOverflow {
-                    bone,
-                    clip,
-                    seconds: sample.seconds,
-                });
-            }
-            let inverses = palette.iter().map(invert_frame).collect();
+            let sampled = SampledPose::new(model, pose, || match clip {
+                Some(clip) => format!("in clip {:?} at {} s", model.meta.clip_names[clip], sample.seconds),
+                None => "without any clip".to_owned(),
+            })?;
             progress.advance(1);
-            Ok(SampledPose {
-                palette,
-                morph_weights,
-                inverses,
-            })
+            Ok(sampled)
         })
         .collect()
 }
