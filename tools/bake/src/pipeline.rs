@@ -1,12 +1,15 @@
 use crate::{
     BakeError, BakeReport, BakeSettings, CacheReport, ClipSelection, PartReport, Progress, StageSeconds,
     assemble::assemble,
+    bounds::{Poses, bound_by_envelopes},
     caches::add_caches,
     import::Animation,
     motion::{Carried, Moving, classify, decompose, with_morph_caches},
-    poses, trees,
+    poses::{self, BoneSpans},
+    trees,
 };
-use restpose_formats::{Hashes, Model, geom::Aabb, rows::MotionClass};
+use rayon::prelude::*;
+use restpose_formats::{Bounds, Hashes, Model, geom::Aabb, rows::MotionClass};
 use std::time::Instant;
 
 /// A baked animation.
@@ -47,15 +50,35 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
 
     model.samples = poses::sample_rows(&model, settings)?;
     progress.stage("sample", model.samples.len() as u64);
-    let poses = poses::evaluate(&model, &model.samples, progress)?;
+    let mut sampled = poses::evaluate(&model, &model.samples, progress)?;
+    let of_clips = sampled.len();
+    progress.stage("sample", settings.random_samples() as u64);
+    let random = poses::random_poses(&model, settings, &sampled, progress)?;
+    sampled.extend(random);
     lap(&mut seconds.sample);
 
     progress.stage("decompose", model.triangles.len() as u64);
-    let carried = decompose(&model, &assembled.bones_of_part, &poses, progress);
+    let mut carried = decompose(&model, &assembled.bones_of_part, &sampled, settings.bounds, progress);
     lap(&mut seconds.decompose);
+
+    let mut spaces = Vec::new();
+    if settings.bounds == Bounds::Envelope {
+        progress.stage("bound", carried.len() as u64);
+        let spans: Vec<_> = poses::spans(&model).into_par_iter().map(|span| (BoneSpans::new(&model, &span), span)).collect();
+        let poses = Poses {
+            spans: &spans,
+            sampled: &sampled,
+            of_clips,
+        };
+        spaces = bound_by_envelopes(&model, &mut carried, &poses, settings.envelopes, progress);
+        lap(&mut seconds.bound);
+    }
 
     progress.stage("build", carried.len() as u64);
     trees::add_clusters(&mut model, carried.clone(), progress)?;
+    for (cluster, space) in spaces.iter().enumerate() {
+        space.add_rows(&mut model, cluster)?;
+    }
     lap(&mut seconds.build);
 
     let caches = add_caches(&mut model, animation, &mut classes, settings, progress)?;

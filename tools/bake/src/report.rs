@@ -61,6 +61,8 @@ pub struct StageSeconds {
     pub sample: f64,
     /// Choosing each triangle's bone and bounding it there.
     pub decompose: f64,
+    /// Envelopes, and the boxes that hold in them.
+    pub bound: f64,
     /// Fuzzy trees of static, rigid and skinned parts.
     pub build: f64,
     /// Vertex caches: clusters, tracks, positions, boxes and trees.

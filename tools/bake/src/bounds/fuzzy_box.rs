@@ -66,7 +66,7 @@ pub(crate) struct FrameTrack {
 
 impl FrameTrack {
     /// The track of `bone`. `reach` bounds `|v|` and `Σ w·|X|·|p|` of every vertex in every sample, per sample.
-    pub(crate) fn new(poses: &[SampledPose], bone: usize, reach: &[f64]) -> Self {
+    pub(crate) fn new(poses: &[&SampledPose], bone: usize, reach: &[f64]) -> Self {
         let mut error = 0.0f64;
         let steps = poses.iter().enumerate().filter_map(|(sample, pose)| {
             let inverse = pose.inverses[bone]?;
@@ -86,11 +86,6 @@ impl FrameTrack {
             steps: steps.collect(),
             error,
         }
-    }
-
-    /// Samples in which the bone can carry a cluster.
-    pub(crate) fn usable(&self) -> usize {
-        self.steps.len()
     }
 
     /// Box of a vertex's fuzzy positions over the usable samples.

@@ -1,7 +1,13 @@
 //! Fuzzy boxes: where a triangle can be in the local space of a cluster.
 
+mod affine_fit;
+mod cluster_space;
+mod enveloped;
 mod fuzzy_box;
+mod pivot;
 mod vertex_track;
 
+pub(crate) use cluster_space::{ClusterSpace, Poses};
+pub(crate) use enveloped::bound_by_envelopes;
 pub(crate) use fuzzy_box::{FrameTrack, FuzzyBox};
 pub(crate) use vertex_track::vertex_track;

@@ -4,7 +4,7 @@ use restpose_formats::Model;
 /// Positions of one vertex in all samples, asset space, in `f64` from the numbers that the runtime poses with.
 ///
 /// The same function as the runtime's vertex function but for its rounding, which the run-time margin covers.
-pub(crate) fn vertex_track(model: &Model, poses: &[SampledPose], vertex: usize, track: &mut Vec<[f64; 3]>) {
+pub(crate) fn vertex_track(model: &Model, poses: &[&SampledPose], vertex: usize, track: &mut Vec<[f64; 3]>) {
     let rest = model.vertices[vertex].position_rest.map(f64::from);
     let deltas = model.morph_deltas_of(vertex);
     let influences = model.influences_of(vertex);
