@@ -123,6 +123,21 @@ pub enum JointLimitsError {
     },
 }
 
+impl JointLimitsError {
+    /// The file at fault, as [`JointLimits::source`].
+    #[must_use]
+    pub fn file(&self) -> &str {
+        match self {
+            Self::Read { file, .. }
+            | Self::TooLong { file }
+            | Self::Syntax { file, .. }
+            | Self::Angle { file, .. }
+            | Self::Reversed { file, .. }
+            | Self::Unknown { file, .. } => file,
+        }
+    }
+}
+
 fn quoted(names: &[String]) -> String {
     if names.is_empty() {
         return "none".to_owned();
