@@ -7,6 +7,8 @@ mod pose_space;
 mod random_poses;
 mod rotation;
 mod sample_times;
+#[cfg(test)]
+mod tests;
 
 pub use joint_limits::{JointLimits, JointLimitsError, JointRange};
 pub(crate) use pose::{SampledPose, evaluate};
