@@ -1,5 +1,5 @@
 use crate::{
-    BakeError, BakeReport, BakeSettings, CacheReport, ClipSelection, PartReport, Progress, StageSeconds,
+    BakeError, BakeReport, BakeSettings, CacheReport, ClipSelection, PartReport, PoseSpace, Progress, StageSeconds,
     assemble::assemble,
     bounds::{Poses, bound_by_envelopes},
     caches::add_caches,
@@ -35,9 +35,13 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
 
     progress.stage("assemble", 1);
     let clips = selected_clips(animation, &settings.clips)?;
+    let posed_clips = clips_of_pose_space(animation, &clips, &settings.pose_space)?;
     let source = animation;
     let animation = &*with_morph_caches(source, &clips, settings);
-    let moving = Moving::new(animation, &clips);
+    let mut moving = Moving::new(animation, &clips);
+    if settings.pose_space.is_random() {
+        moving.turn_joints(animation);
+    }
     let mut classes = classify(animation, &moving, settings)?;
     let assembled = assemble(animation, &classes, &clips)?;
     let mut model = assembled.model;
@@ -48,13 +52,13 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
     progress.advance(1);
     lap(&mut seconds.assemble);
 
-    model.samples = poses::sample_rows(&model, settings)?;
+    model.samples = poses::sample_rows(&model, &posed_clips, settings)?;
     progress.stage("sample", model.samples.len() as u64);
     let mut sampled = poses::evaluate(&model, &model.samples, progress)?;
     let of_clips = sampled.len();
-    progress.stage("sample", settings.random_samples() as u64);
-    let random = poses::random_poses(&model, settings, &sampled, progress)?;
-    sampled.extend(random);
+    let random_poses = poses::random_poses(&model, settings, &sampled, progress)?;
+    let random_pose_count = random_poses.len() as u64;
+    sampled.extend(random_poses);
     lap(&mut seconds.sample);
 
     progress.stage("decompose", model.triangles.len() as u64);
@@ -104,7 +108,8 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
         vertices: model.vertices.len().saturating_sub(1) as u64,
         bones: model.bones.len() as u64,
         clusters: model.clusters.len() as u64,
-        samples: model.samples.len() as u64,
+        samples: poses.len() as u64,
+        random_poses: random_pose_count,
         fuzzy_box_area: parts.iter().map(|part| part.fuzzy_box_area).sum(),
         parts,
         tree_nodes: model.kd_nodes.len() as u64,
@@ -120,24 +125,61 @@ fn selected_clips(animation: &Animation, selection: &ClipSelection) -> Result<Ve
         ClipSelection::All => return Ok((0..animation.clips.len()).collect()),
         ClipSelection::Named(names) => names,
     };
-    let label = |(number, clip): (usize, &crate::import::Clip)| clip.label(number);
-    let known: Vec<String> = animation.clips.iter().enumerate().map(label).collect();
+    let all: Vec<usize> = (0..animation.clips.len()).collect();
     let mut out = Vec::new();
     for name in names {
-        // A number chooses a clip that has a name, too, unless it is the name of another. Clips of one name go together:
-        // the file tells them apart by nothing else.
-        let by_number = || known.get(name.parse::<usize>().ok()?);
-        let Some(label) = known.iter().find(|label| *label == name).or_else(by_number) else {
+        let found = clips_called(animation, &all, name);
+        if found.is_empty() {
             return Err(BakeError::UnknownClip {
                 name: name.clone(),
-                known,
+                known: labels(animation, &all),
             });
-        };
-        out.extend((0..known.len()).filter(|number| known[*number] == *label));
+        }
+        out.extend(found);
     }
     out.sort_unstable();
     out.dedup();
     Ok(out)
+}
+
+/// Rows of the clips that the pose space holds, ascending; `clips` are the numbers of those in the file.
+fn clips_of_pose_space(
+    animation: &Animation,
+    clips: &[usize],
+    pose_space: &PoseSpace,
+) -> Result<Vec<usize>, BakeError> {
+    let PoseSpace::Clip(name) = pose_space else {
+        return Ok((0..clips.len()).collect());
+    };
+    let found = clips_called(animation, clips, name);
+    if found.is_empty() {
+        return Err(BakeError::PoseSpaceClip {
+            name: name.clone(),
+            known: labels(animation, clips),
+        });
+    }
+    Ok((0..clips.len()).filter(|row| found.contains(&clips[*row])).collect())
+}
+
+/// Numbers of the clips among `clips` that a name or a number means.
+///
+/// A number chooses a clip that has a name, too, unless it is the name of another. Clips of one name go together: the file
+/// tells them apart by nothing else.
+fn clips_called(animation: &Animation, clips: &[usize], name: &str) -> Vec<usize> {
+    let label = |number: usize| animation.clips[number].label(number);
+    let is_name = clips.iter().any(|number| label(*number) == name);
+    let by_number = || name.parse().ok().filter(|number| clips.contains(number)).map(label);
+    let Some(meant) = is_name.then(|| name.to_owned()).or_else(by_number) else {
+        return Vec::new();
+    };
+    clips.iter().copied().filter(|number| label(*number) == meant).collect()
+}
+
+fn labels(animation: &Animation, clips: &[usize]) -> Vec<String> {
+    clips
+        .iter()
+        .map(|number| animation.clips[*number].label(*number))
+        .collect()
 }
 
 fn part_reports(

@@ -17,8 +17,10 @@ pub struct BakeReport {
     pub bones: u64,
     /// Clusters.
     pub clusters: u64,
-    /// Sampled poses.
+    /// Poses of the pose space from which the boxes were made.
     pub samples: u64,
+    /// Random ones among them.
+    pub random_poses: u64,
     /// Sum of the surface areas of all fuzzy boxes, square scene units.
     pub fuzzy_box_area: f64,
     /// Nodes of all fuzzy trees.

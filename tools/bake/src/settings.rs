@@ -86,11 +86,10 @@ impl Default for BakeSettings {
 impl BakeSettings {
     /// Random poses that the pose space asks for.
     pub(crate) fn random_samples(&self) -> usize {
-        let default = self.pose_space.default_samples();
         if self.pose_space.is_random() {
-            self.pose_samples.unwrap_or(default)
+            self.pose_samples.unwrap_or_else(|| self.pose_space.default_samples())
         } else {
-            default
+            0
         }
     }
 

@@ -1,6 +1,6 @@
 use crate::exit_code::ExitCode;
 use restpose_bake::{
-    BakeError,
+    BakeError, JointLimitsError,
     import::{Fault, ImportError},
 };
 use restpose_runtime::OpenError;
@@ -75,9 +75,11 @@ impl Failure {
     /// An imported animation was not baked.
     pub fn bake(path: &Path, error: &BakeError) -> Self {
         let code = match error {
+            BakeError::JointLimits(error) => return Self::joint_limits(error),
             BakeError::SampleStep { .. }
             | BakeError::Setting { .. }
             | BakeError::UnknownClip { .. }
+            | BakeError::PoseSpaceClip { .. }
             | BakeError::UnknownPart { .. }
             | BakeError::TooManySamples { .. } => ExitCode::CommandLine,
             BakeError::Class { .. } | BakeError::TooMany { .. } => ExitCode::Unsupported,
@@ -85,6 +87,15 @@ impl Failure {
             _ => ExitCode::Internal,
         };
         Self::at(code, path, format!("{}: {error}", path.display()))
+    }
+
+    /// Joint limits, from a file, were refused.
+    pub fn joint_limits(error: &JointLimitsError) -> Self {
+        let code = match error {
+            JointLimitsError::Read { .. } => ExitCode::Io,
+            _ => ExitCode::InvalidInput,
+        };
+        Self::at(code, Path::new(error.file()), error.to_string())
     }
 
     /// A `.rpose` file was refused.

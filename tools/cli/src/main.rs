@@ -11,6 +11,7 @@ mod mapped_asset;
 mod output;
 mod output_folder;
 mod picture;
+mod pose_settings;
 mod progress;
 mod source_files;
 mod table;

@@ -1,9 +1,9 @@
 use crate::import::{Animation, Channel, ChannelTarget, Local};
 use restpose_formats::rows::Interpolation;
 
-/// What the selected clips move: nodes, with everything below them, and morph weights.
+/// What the selected clips, or the pose space, move: nodes, with everything below them, and morph weights.
 pub(crate) struct Moving {
-    /// Per node: whether its world transform depends on some clip's time.
+    /// Per node: whether its world transform is not always the same.
     pub nodes: Vec<bool>,
     /// Per node: whether its morph weights do.
     pub morphs: Vec<bool>,
@@ -23,12 +23,27 @@ impl Moving {
                 _ => nodes[channel.node] = true,
             }
         }
+        let mut moving = Self { nodes, morphs };
+        moving.spread(animation);
+        moving
+    }
+
+    /// Every joint of a skin moves, and what hangs on it: the pose space turns them.
+    pub(crate) fn turn_joints(&mut self, animation: &Animation) {
+        let skins = animation.parts.iter().filter_map(|part| part.skin);
+        for joint in skins.flat_map(|skin| &animation.skins[skin].joints) {
+            self.nodes[*joint] = true;
+        }
+        self.spread(animation);
+    }
+
+    /// From parents to all below them.
+    fn spread(&mut self, animation: &Animation) {
         for node in parents_first(animation) {
             if let Some(parent) = animation.nodes[node].parent {
-                nodes[node] |= nodes[parent];
+                self.nodes[node] |= self.nodes[parent];
             }
         }
-        Self { nodes, morphs }
     }
 }
 

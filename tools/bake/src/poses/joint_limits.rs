@@ -1,4 +1,4 @@
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer, de::Error};
 use std::{
     collections::BTreeMap,
     fs::File,
@@ -36,13 +36,13 @@ pub struct JointLimits {
 #[serde(deny_unknown_fields)]
 pub struct JointRange {
     /// About the joint's x axis.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "pair")]
     pub x: [f64; 2],
     /// About its y axis.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "pair")]
     pub y: [f64; 2],
     /// About its z axis.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "pair")]
     pub z: [f64; 2],
 }
 
@@ -123,6 +123,21 @@ pub enum JointLimitsError {
     },
 }
 
+impl JointLimitsError {
+    /// The file at fault, as [`JointLimits::source`].
+    #[must_use]
+    pub fn file(&self) -> &str {
+        match self {
+            Self::Read { file, .. }
+            | Self::TooLong { file }
+            | Self::Syntax { file, .. }
+            | Self::Angle { file, .. }
+            | Self::Reversed { file, .. }
+            | Self::Unknown { file, .. } => file,
+        }
+    }
+}
+
 fn quoted(names: &[String]) -> String {
     if names.is_empty() {
         return "none".to_owned();
@@ -135,6 +150,14 @@ fn quoted(names: &[String]) -> String {
 #[serde(deny_unknown_fields)]
 struct Contents {
     joints: BTreeMap<String, JointRange>,
+}
+
+/// Exactly two numbers: for an array of two the TOML parser would overlook what follows.
+fn pair<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 2], D::Error> {
+    let numbers = Vec::<f64>::deserialize(deserializer)?;
+    numbers
+        .try_into()
+        .map_err(|numbers: Vec<f64>| D::Error::invalid_length(numbers.len(), &"two angles"))
 }
 
 impl JointLimits {

@@ -10,6 +10,8 @@ mod rotation;
 mod sample_times;
 mod span;
 mod span_map;
+#[cfg(test)]
+mod tests;
 
 pub use joint_limits::{JointLimits, JointLimitsError, JointRange};
 pub(crate) use pose::{SampledPose, evaluate};

@@ -43,6 +43,7 @@ pub(crate) fn random_poses(
 
     let mut seeds = fastrand::Rng::with_seed(settings.seed);
     let seeds: Vec<u64> = (0..settings.random_samples()).map(|_| seeds.u64(..)).collect();
+    progress.stage("random poses", seeds.len() as u64);
     let view = model.view();
     seeds
         .par_iter()

@@ -7,16 +7,21 @@ use restpose_formats::{
 /// Samples of one clip that a bake takes: half an hour at sixty a second. A sampled pose of fifty bones is 7 kB.
 const SAMPLE_LIMIT: u64 = 108_000;
 
-/// The sampled poses: the pose without any clip, then per clip every key time of its channels and steps of at most
-/// `sample_step_seconds` from its start to its end. Each clip's times ascend and differ.
+/// The sampled poses: the pose without any clip, then per clip of the pose space every key time of its channels and steps of at most
+/// `sample_step_seconds` from its start to its end. Each clip's times ascend and differ. `clips` are those clips' rows,
+/// ascending.
 ///
 /// Differs from Günther §3.4.2, who samples at random: clips are curves, not volumes, and extremes sit at keys.
-pub(crate) fn sample_rows(model: &Model, settings: &BakeSettings) -> Result<Vec<SampleRow>, BakeError> {
+pub(crate) fn sample_rows(
+    model: &Model,
+    clips: &[usize],
+    settings: &BakeSettings,
+) -> Result<Vec<SampleRow>, BakeError> {
     let mut rows = vec![SampleRow {
         clip: NONE,
         seconds: 0.0,
     }];
-    for (clip, row) in model.clips.iter().enumerate() {
+    for (clip, row) in clips.iter().map(|clip| (*clip, &model.clips[*clip])) {
         let all = &model.channels[row.channel_first as usize..][..row.channel_count as usize];
         // Boxes of vertex caches hold between keys without samples.
         let channels: Vec<&ChannelRow> = all

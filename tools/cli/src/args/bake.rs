@@ -1,8 +1,9 @@
 use super::{
     keyframed::{KeptFramesArgs, KeyframedArgs},
-    values::{self, ClassOverride},
+    poses::PoseArgs,
+    values::ClassOverride,
 };
-use clap::{Args, ValueEnum};
+use clap::Args;
 use std::path::PathBuf;
 
 /// Options of `bake`.
@@ -22,15 +23,8 @@ pub struct BakeArgs {
     #[command(flatten)]
     pub frames: KeptFramesArgs,
 
-    /// Clip whose poses the boxes are made for; give it again for more clips [default: all clips]
-    #[arg(long = "clip", value_name = "NAME", help_heading = "Poses")]
-    pub clips: Vec<String>,
-    /// Time between sampled poses of bones and morph weights, seconds; above 0, at most 10 [default: 1/60]
-    #[arg(long, value_name = "SECONDS", value_parser = |text: &str| values::number_in(text, 0.0, 10.0), help_heading = "Poses")]
-    pub sample_step: Option<f64>,
-    /// How the boxes of bones and morph weights are bounded; those of vertex caches hold at any time between keys
-    #[arg(long, value_enum, default_value_t = BoundsKind::Sampled, help_heading = "Poses")]
-    pub bounds: BoundsKind,
+    #[command(flatten)]
+    pub poses: PoseArgs,
 
     #[command(flatten)]
     pub keyframed: KeyframedArgs,
@@ -41,11 +35,4 @@ pub struct BakeArgs {
     /// [default: the baker decides]
     #[arg(long = "class", value_name = "PART=CLASS", help_heading = "Motion classes")]
     pub classes: Vec<ClassOverride>,
-}
-
-/// How the boxes are bounded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum BoundsKind {
-    /// Around the sampled poses only: smaller boxes, but poses between the samples can miss hits
-    Sampled,
 }

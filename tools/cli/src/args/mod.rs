@@ -6,14 +6,16 @@ mod file;
 mod frame_range;
 mod keyframed;
 mod measure;
+mod poses;
 mod render;
 mod values;
 mod verify;
 
-pub use bake::{BakeArgs, BoundsKind};
+pub use bake::BakeArgs;
 pub use demo::DemoArgs;
 pub use file::{InfoArgs, ValidateArgs};
 pub use measure::{FrameArgs, MeasureArgs, MeasureTable, MotionArgs};
+pub use poses::{BoundsKind, PoseArgs, PoseSpaceKind};
 pub use render::{RenderArgs, SamplesPerPixel, View};
 pub use values::{Size, Vector};
 pub use verify::VerifyArgs;

@@ -1,19 +1,13 @@
 use super::{Context, cache_lines::cache_lines};
 use crate::{
-    args::{BakeArgs, BoundsKind},
-    exit_code::ExitCode,
-    failure::Failure,
-    input_file,
-    output::Answer,
-    source_files,
-    table::Table,
+    args::BakeArgs, exit_code::ExitCode, failure::Failure, input_file, output::Answer, pose_settings::with_poses,
+    source_files, table::Table,
 };
 use restpose_bake::{
-    BakeReport, BakeSettings, ClipSelection, PartReport, StageSeconds, bake,
+    BakeReport, BakeSettings, PartReport, StageSeconds, bake,
     import::{Fault, Imported},
     write_file,
 };
-use restpose_formats::Bounds;
 use restpose_runtime::Asset;
 use serde::Serialize;
 use std::{
@@ -47,6 +41,7 @@ struct Made<'a> {
     bones: u64,
     clusters: u64,
     samples: u64,
+    random_poses: u64,
     fuzzy_box_area: f64,
     tree_nodes: u64,
     tree_references: u64,
@@ -72,7 +67,7 @@ pub struct Written {
 
 /// Turns the files of a scene into a `.rpose` file.
 pub fn run(args: &BakeArgs, context: &Context) -> Result<Answer, Failure> {
-    let settings = settings(args);
+    let settings = settings(args)?;
     check_output(&args.inputs, &args.output)?;
     source_files::check(&args.inputs)?;
 
@@ -137,25 +132,16 @@ pub fn bake_to(
     })
 }
 
-fn settings(args: &BakeArgs) -> BakeSettings {
-    let default = args.keyframed.settings();
-    BakeSettings {
-        clips: if args.clips.is_empty() {
-            ClipSelection::All
-        } else {
-            ClipSelection::Named(args.clips.clone())
-        },
-        sample_step_seconds: args.sample_step.unwrap_or(default.sample_step_seconds),
-        bounds: match args.bounds {
-            BoundsKind::Sampled => Bounds::Sampled,
-        },
+fn settings(args: &BakeArgs) -> Result<BakeSettings, Failure> {
+    let settings = BakeSettings {
         class_overrides: args
             .classes
             .iter()
             .map(|forced| (forced.part.clone(), forced.class))
             .collect(),
-        ..default
-    }
+        ..args.keyframed.settings()
+    };
+    with_poses(settings, &args.poses)
 }
 
 /// Sees that the output can be written, before the work whose result it takes.
@@ -210,6 +196,7 @@ fn made(report: &BakeReport, seconds: Seconds) -> Made<'_> {
         bones: report.bones,
         clusters: report.clusters,
         samples: report.samples,
+        random_poses: report.random_poses,
         fuzzy_box_area: report.fuzzy_box_area,
         tree_nodes: report.tree_nodes,
         tree_references: report.tree_references,
@@ -232,12 +219,13 @@ fn text(written: &Written, output: &Path, seconds: f64) -> String {
     let caches: Vec<String> = report.parts.iter().filter_map(cache_lines).collect();
     let caches = caches.iter().map(|lines| format!("\n\n{lines}")).collect::<String>();
     format!(
-        "{table}{caches}\n\n{}: {} bytes, {} triangles ({} without area), {} clusters, {} sampled poses, {seconds:.2} s",
+        "{table}{caches}\n\n{}: {} bytes, {} triangles ({} without area), {} clusters, {} sampled poses ({} random), {seconds:.2} s",
         output.display(),
         written.file_bytes,
         report.triangles,
         report.degenerate_triangles,
         report.clusters,
         report.samples,
+        report.random_poses,
     )
 }

@@ -1,0 +1,4 @@
+mod arm;
+mod joint_limit_files;
+mod random_poses;
+mod rotations;
