@@ -108,7 +108,7 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
         vertices: model.vertices.len().saturating_sub(1) as u64,
         bones: model.bones.len() as u64,
         clusters: model.clusters.len() as u64,
-        samples: poses.len() as u64,
+        samples: sampled.len() as u64,
         random_poses: random_pose_count,
         fuzzy_box_area: parts.iter().map(|part| part.fuzzy_box_area).sum(),
         parts,
