@@ -295,6 +295,16 @@ pub enum FormatError {
         /// Rows.
         found: u64,
     },
+    /// A section that describes envelopes has rows, and the boxes bound samples only.
+    #[error(
+        "section {section} has {found} rows, expected none, for the metadata says that bounds are sampled; {RE_BAKE}"
+    )]
+    RowsOfSampledBounds {
+        /// Section.
+        section: SectionKind,
+        /// Rows.
+        found: u64,
+    },
     /// A row breaks a rule.
     #[error("section {section}, row {row}: {fault}; {RE_BAKE}")]
     Row {

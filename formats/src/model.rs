@@ -1,9 +1,10 @@
 use crate::{
     Meta,
     rows::{
-        BoneEnvelopeRow, BoneRow, CacheRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterMorphRow, ClusterRow, InfluenceRow, KdNodeRow, KeyRow,
-        KeyVertexRow, LeverRow, MorphDeltaRow, MorphEnvelopeRow, MorphSetRow, MorphTargetRow, NodeRow, PartRow, PoseSpaceRow, PrimitiveRow, ReferenceBoxRow,
-        SampleRow, SegmentRow, TrackRow, TriangleRow, VertexRow,
+        BoneEnvelopeRow, BoneRow, CacheRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterMorphRow, ClusterRow,
+        InfluenceRow, KdNodeRow, KeyRow, KeyVertexRow, LeverRow, MorphDeltaRow, MorphEnvelopeRow, MorphSetRow,
+        MorphTargetRow, NodeRow, PartRow, PoseSpaceRow, PrimitiveRow, ReferenceBoxRow, SampleRow, SegmentRow, TrackRow,
+        TriangleRow, VertexRow,
     },
 };
 

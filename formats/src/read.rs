@@ -18,8 +18,8 @@ use bytemuck::Pod;
 /// `FORMAT.md` lists them; whoever uses the view may rely on it. [`write`](crate::write) gives the same bytes back,
 /// except for optional sections and feature bits that this library does not know.
 ///
-/// Complexity: linear in the file, plus the influences of each vertex, and its row in a segment, once per cluster that
-/// uses it.
+/// Complexity: linear in the file, plus the influences and morph deltas of each vertex, and its row in a segment, once
+/// per cluster that uses it.
 ///
 /// # Errors
 /// The first fault, in the order of [`FormatError`]. Bytes that are wrong in any way are refused, not repaired.

@@ -124,6 +124,26 @@ pub enum RowFault {
         /// Its value.
         found: f32,
     },
+    /// A number that must not exceed one.
+    #[error("`{field}` is {found}, expected at most one")]
+    AboveOne {
+        /// Field.
+        field: &'static str,
+        /// Its value.
+        found: f32,
+    },
+    /// A number that must reach what a vertex of the cluster asks for.
+    #[error("`{field}` is {found}, expected at least {least} for vertex {vertex} of the cluster")]
+    TooSmall {
+        /// Field.
+        field: &'static str,
+        /// Its value.
+        found: f32,
+        /// Least value for the vertex.
+        least: f64,
+        /// Vertex row.
+        vertex: u32,
+    },
     /// A number that stands for nothing.
     #[error("`{field}` is {found}, expected less than {limit}")]
     UnknownNumber {
@@ -221,6 +241,14 @@ pub enum RowFault {
         /// Upper end.
         max: f32,
     },
+    /// An interval holds no weight.
+    #[error("it is empty: it reaches from {min} to {max}")]
+    EmptyInterval {
+        /// Lower end.
+        min: f32,
+        /// Upper end.
+        max: f32,
+    },
     /// A bone moves vertices of a cluster and is not listed there.
     #[error("bone {bone} moves vertex {vertex} of the cluster, but is not among its cluster bones")]
     ClusterBoneMissing {
@@ -234,6 +262,20 @@ pub enum RowFault {
     ClusterBoneUnused {
         /// Bone row.
         bone: u32,
+    },
+    /// A morph target displaces vertices of a cluster and is not listed there.
+    #[error("morph target {target} displaces vertex {vertex} of the cluster, but is not among its cluster morphs")]
+    ClusterMorphMissing {
+        /// Morph target row.
+        target: u32,
+        /// Vertex row.
+        vertex: u32,
+    },
+    /// A morph target is listed in a cluster and displaces none of its vertices.
+    #[error("morph target {target} displaces no vertex of the cluster")]
+    ClusterMorphUnused {
+        /// Morph target row.
+        target: u32,
     },
     /// A track has vertices of a cluster and is not listed there.
     #[error("track {track} has vertex {vertex} of the cluster, but is not among its cluster bones")]

@@ -1,7 +1,7 @@
 use crate::rows::{
-    BoneEnvelopeRow, BoneRow, CacheRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterMorphRow, ClusterRow, InfluenceRow, KdNodeRow, KeyRow, KeyVertexRow, LeverRow,
-    MorphDeltaRow, MorphEnvelopeRow, MorphSetRow, MorphTargetRow, NodeRow, PartRow, PoseSpaceRow, PrimitiveRow, ReferenceBoxRow, SampleRow, SegmentRow,
-    TrackRow, TriangleRow, VertexRow,
+    BoneEnvelopeRow, BoneRow, CacheRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterMorphRow, ClusterRow, InfluenceRow,
+    KdNodeRow, KeyRow, KeyVertexRow, LeverRow, MorphDeltaRow, MorphEnvelopeRow, MorphSetRow, MorphTargetRow, NodeRow,
+    PartRow, PoseSpaceRow, PrimitiveRow, ReferenceBoxRow, SampleRow, SegmentRow, TrackRow, TriangleRow, VertexRow,
 };
 use bytemuck::{Pod, Zeroable};
 use std::fmt;

@@ -1,4 +1,6 @@
 use super::{
+    cluster_morphs::MorphCover,
+    levers,
     numbers::{extent, index, index_within, within_extent},
     row,
     segments::Segment,
@@ -7,9 +9,10 @@ use crate::{
     FormatError, ModelView, RowFault, SectionKind,
     rows::{ClusterRow, NONE, TriangleRow},
 };
+use std::ops::Range;
 
 /// Checks that a cluster lists exactly the bones, in a segment of a cache the tracks, that move its vertices, with extents
-/// that reach all of these.
+/// that reach all of these, and with a pose space levers too; and the same of its morph targets.
 ///
 /// Run-time margins are computed from these rows alone: one that is missing or too small would lose hits.
 pub(super) struct Cover<'a> {
@@ -24,6 +27,7 @@ pub(super) struct Cover<'a> {
     /// Per vertex, the last segment in which it was met, or `NONE`, and how far its stored numbers reach there. Empty
     /// without caches.
     reaches: Vec<(u32, [f32; 3])>,
+    morphs: MorphCover<'a>,
 }
 
 impl<'a> Cover<'a> {
@@ -35,6 +39,7 @@ impl<'a> Cover<'a> {
             used: vec![false; view.cluster_bones.len()],
             checked_for: vec![NONE; view.vertices.len()],
             reaches: vec![(NONE, [0.0; 3]); if view.caches.is_empty() { 0 } else { view.vertices.len() }],
+            morphs: MorphCover::new(view),
         }
     }
 
@@ -48,7 +53,7 @@ impl<'a> Cover<'a> {
         self.cluster = at;
         let section = SectionKind::ClusterBones;
         let mut previous = None;
-        for at in bone_rows(cluster) {
+        for at in rows_of(cluster) {
             let listed = self.view.cluster_bones[at];
             let found = listed.bone;
             let mover = match segment {
@@ -69,7 +74,7 @@ impl<'a> Cover<'a> {
             extent(section, at, "extent", &listed.extent)?;
             self.row_of_mover[mover] = Some(at);
         }
-        Ok(())
+        self.morphs.enter(at)
     }
 
     /// What moves the triangle's vertices is listed, with extents that reach them.
@@ -105,8 +110,12 @@ impl<'a> Cover<'a> {
             self.used[at] = true;
             let reach = view.cluster_bones[at].extent;
             within_extent(SectionKind::Vertices, vertex, "position_rest", position, reach, at)?;
+            let own = influence.bone == view.clusters[self.cluster].bone;
+            if at < view.levers.len() && !own {
+                levers::check_reach(view, at, vertex, influence.weight)?;
+            }
         }
-        Ok(())
+        self.morphs.vertex(vertex)
     }
 
     fn cached_vertex(&mut self, vertex: usize, segment: &Segment<'_>) -> Result<(), FormatError> {
@@ -139,7 +148,7 @@ impl<'a> Cover<'a> {
 
     /// Ends the cluster; everything that it lists has moved a vertex.
     pub(super) fn leave(&mut self, cluster: &ClusterRow) -> Result<(), FormatError> {
-        for at in bone_rows(cluster) {
+        for at in rows_of(cluster) {
             let mover = self.view.cluster_bones[at].bone;
             if !self.used[at] {
                 let fault = match cluster.track {
@@ -150,11 +159,12 @@ impl<'a> Cover<'a> {
             }
             self.row_of_mover[mover as usize] = None;
         }
-        Ok(())
+        self.morphs.leave()
     }
 }
 
-fn bone_rows(cluster: &ClusterRow) -> std::ops::Range<usize> {
+/// The cluster-bone rows of a cluster. Clusters have been checked.
+pub(super) fn rows_of(cluster: &ClusterRow) -> Range<usize> {
     let first = cluster.cluster_bone_first as usize;
     first..first + cluster.cluster_bone_count as usize
 }

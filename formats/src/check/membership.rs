@@ -11,8 +11,8 @@ use crate::{
 use std::ops::Range;
 
 /// Every triangle with area belongs to exactly one cluster, that of a part with a cache to one in each of the cache's
-/// segments, a degenerate one to none; and a cluster lists the bones or tracks that move its vertices. Everything else
-/// has been checked.
+/// segments, a degenerate one to none; and a cluster lists the bones or tracks, and in a pose space the morph targets,
+/// that move its vertices. Everything else has been checked.
 pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
     let mut claims = Claims {
         view,

@@ -6,15 +6,19 @@
 mod caches;
 mod clips;
 mod cluster_bones;
+mod cluster_morphs;
 mod cluster_tracks;
 mod clusters;
+mod envelopes;
 mod kd_trees;
 mod key_vertices;
+mod levers;
 mod membership;
 mod morphs;
 mod names;
 mod numbers;
 mod parts;
+mod pose_spaces;
 mod reference_boxes;
 mod segments;
 mod skeleton;
@@ -26,8 +30,8 @@ use crate::{FormatError, ModelView, RowFault, SectionKind};
 
 /// Checks every rule. One implementation serves reader and writer.
 ///
-/// Complexity: linear in the rows, plus the influences of each vertex, and its row in a segment, once per cluster that
-/// uses it.
+/// Complexity: linear in the rows, plus the influences and morph deltas of each vertex, and its row in a segment, once
+/// per cluster that uses it.
 ///
 /// # Errors
 /// The first rule that is broken.
@@ -46,6 +50,9 @@ pub(crate) fn model(view: &ModelView<'_>) -> Result<(), FormatError> {
     cluster_tracks::check(view)?;
     kd_trees::check(view)?;
     reference_boxes::check(view)?;
+    pose_spaces::check(view)?;
+    levers::check(view)?;
+    envelopes::check(view)?;
     membership::check(view)
 }
 

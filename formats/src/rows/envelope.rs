@@ -9,7 +9,7 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct PoseSpaceRow {
-    /// Envelopes, at least 1.
+    /// Envelopes, at least 1; 1 where the cluster has neither a bone beside its own nor a morph.
     pub envelope_count: u32,
     /// First bone-envelope row of `envelope_count` times as many as the cluster has bones beside its own: those of the
     /// first envelope in the order of the cluster's bones, then those of the second, and so on.
@@ -31,13 +31,25 @@ pub struct PoseSpaceRow {
 pub struct LeverRow {
     /// k: the point about which the bone moves against the cluster, rest space.
     pub pivot: [f32; 3],
-    /// At least the largest `w·|position_rest − pivot|` per axis over the cluster's vertices that the bone moves with
-    /// weight w.
+    /// At least the largest [`Self::arm`] per axis over the cluster's vertices that the bone moves.
     pub lever: [f32; 3],
-    /// At least the largest w of these.
+    /// At least the largest weight with which the bone moves one of these; at most one.
     pub weight: f32,
     /// Zero.
     pub reserved: u32,
+}
+
+impl LeverRow {
+    /// `w·|position_rest − pivot|` per axis, for a vertex that the bone moves with weight w: rest space, each of the two
+    /// operations rounded to nearest in `f64`.
+    ///
+    /// Guarantee: no weight of a checked file and no finite numbers make it overflow or underflow, so it is within two
+    /// roundings of the exact length.
+    #[inline]
+    #[must_use]
+    pub fn arm(&self, position_rest: [f32; 3], weight: f32) -> [f64; 3] {
+        std::array::from_fn(|k| f64::from(weight) * (f64::from(position_rest[k]) - f64::from(self.pivot[k])).abs())
+    }
 }
 
 /// A morph target that displaces vertices of a cluster.

@@ -7,7 +7,7 @@ use crate::{
 use restpose_formats::{geom::Aabb, rows::box_steps};
 
 /// The planes of a row of RBOX over a cluster's bounds: least and greatest corner.
-fn planes(reference_box: &[u8], cluster: &[u8]) -> [[f64; 3]; 2] {
+pub fn planes(reference_box: &[u8], cluster: &[u8]) -> [[f64; 3]; 2] {
     let (min, max): ([f32; 3], [f32; 3]) = (f32s(cluster, 32), f32s(cluster, 44));
     let step = |k: usize| {
         let exact = (f64::from(max[k]) - f64::from(min[k])) / 65535.0 * (1.0 + 2.0f64.powi(-40));

@@ -3,7 +3,7 @@
 
 use crate::{
     fixture::{FLAG, FLAG_CACHE, SPARK, SPARK_CACHE, model},
-    golden::V1_1,
+    golden::V1_2,
 };
 
 fn u16_at(bytes: &[u8], at: usize) -> u16 {
@@ -40,7 +40,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 }
 
 /// The codes and row sizes of `FORMAT.md`, section 2.
-const SECTIONS: [(&[u8; 4], usize); 28] = [
+const SECTIONS: [(&[u8; 4], usize); 33] = [
     (b"META", 1),
     (b"PART", 48),
     (b"PRIM", 16),
@@ -69,6 +69,11 @@ const SECTIONS: [(&[u8; 4], usize); 28] = [
     (b"KDND", 8),
     (b"REFS", 4),
     (b"RBOX", 12),
+    (b"PSPC", 32),
+    (b"LEVR", 32),
+    (b"CMOR", 16),
+    (b"BENV", 144),
+    (b"MENV", 8),
 ];
 
 /// The rows of a section, found through the table.
@@ -78,53 +83,55 @@ pub fn rows(code: &[u8; 4]) -> Vec<&'static [u8]> {
         .position(|(known, _)| *known == code)
         .expect("a code of the format");
     let at = 128 + 40 * line;
-    assert_eq!(&V1_1[at..at + 4], code);
-    let (offset, byte_len) = (u64_at(V1_1, at + 16) as usize, u64_at(V1_1, at + 24) as usize);
-    let section = &V1_1[offset..offset + byte_len];
-    let rows: Vec<_> = section.chunks_exact(u32_at(V1_1, at + 8) as usize).collect();
-    assert_eq!(rows.len() as u64, u64_at(V1_1, at + 32));
+    assert_eq!(&V1_2[at..at + 4], code);
+    let (offset, byte_len) = (u64_at(V1_2, at + 16) as usize, u64_at(V1_2, at + 24) as usize);
+    let section = &V1_2[offset..offset + byte_len];
+    let rows: Vec<_> = section.chunks_exact(u32_at(V1_2, at + 8) as usize).collect();
+    assert_eq!(rows.len() as u64, u64_at(V1_2, at + 32));
     rows
 }
 
 /// Asserts that each row of a section, decoded by `$bytes => $decoded`, equals the fixture's, decoded by field.
 macro_rules! same {
     ($code:literal, $rows:expr, $bytes:ident => $decoded:expr, $row:ident => $fields:expr) => {
-        let decoded: Vec<_> = rows($code).iter().map(|$bytes| $decoded).collect();
+        let decoded: Vec<_> = $crate::bare_reader::rows($code).iter().map(|$bytes| $decoded).collect();
         let expected: Vec<_> = $rows.iter().map(|$row| $fields).collect();
         assert_eq!(decoded, expected);
     };
 }
 
+pub(crate) use same;
+
 #[test]
 fn header_and_table_are_as_the_text_says() {
-    assert_eq!(V1_1[..10], [0x8B, 0x52, 0x50, 0x4F, 0x53, 0x45, 0x0D, 0x0A, 0x1A, 0x0A]);
-    assert_eq!((u16_at(V1_1, 10), u16_at(V1_1, 12), u16_at(V1_1, 14)), (1, 1, 0));
-    assert_eq!((u32_at(V1_1, 16), u64_at(V1_1, 24)), (128, V1_1.len() as u64));
-    assert_eq!((u64_at(V1_1, 32), u64_at(V1_1, 40)), (0, 1));
-    assert_eq!((u32_at(V1_1, 48), u32_at(V1_1, 52), u64_at(V1_1, 120)), (28, 0, 0));
+    assert_eq!(V1_2[..10], [0x8B, 0x52, 0x50, 0x4F, 0x53, 0x45, 0x0D, 0x0A, 0x1A, 0x0A]);
+    assert_eq!((u16_at(V1_2, 10), u16_at(V1_2, 12), u16_at(V1_2, 14)), (1, 2, 0));
+    assert_eq!((u32_at(V1_2, 16), u64_at(V1_2, 24)), (128, V1_2.len() as u64));
+    assert_eq!((u64_at(V1_2, 32), u64_at(V1_2, 40)), (0, 0));
+    assert_eq!((u32_at(V1_2, 48), u32_at(V1_2, 52), u64_at(V1_2, 120)), (33, 0, 0));
     assert_eq!(
-        (&V1_1[56..88], &V1_1[88..120]),
+        (&V1_2[56..88], &V1_2[88..120]),
         (&model().hashes.source[..], &model().hashes.options[..])
     );
-    let mut sealed = V1_1[..128 + 40 * 28].to_vec();
+    let mut sealed = V1_2[..128 + 40 * 33].to_vec();
     sealed[20..24].fill(0);
-    assert_eq!(u32_at(V1_1, 20), crc32(&sealed));
+    assert_eq!(u32_at(V1_2, 20), crc32(&sealed));
 
     let mut end = sealed.len();
     for (line, (code, row_size)) in SECTIONS.iter().enumerate() {
         let at = 128 + 40 * line;
-        assert_eq!(&V1_1[at..at + 4], *code);
+        assert_eq!(&V1_2[at..at + 4], *code);
         assert_eq!(
-            (u16_at(V1_1, at + 4), u16_at(V1_1, at + 6), u32_at(V1_1, at + 8)),
+            (u16_at(V1_2, at + 4), u16_at(V1_2, at + 6), u32_at(V1_2, at + 8)),
             (1, 0, *row_size as u32)
         );
-        let (offset, byte_len) = (u64_at(V1_1, at + 16) as usize, u64_at(V1_1, at + 24) as usize);
+        let (offset, byte_len) = (u64_at(V1_2, at + 16) as usize, u64_at(V1_2, at + 24) as usize);
         assert_eq!(offset, end.div_ceil(64) * 64);
-        assert!(V1_1[end..offset].iter().all(|byte| *byte == 0));
-        assert_eq!(u32_at(V1_1, at + 12), crc32(&V1_1[offset..offset + byte_len]));
+        assert!(V1_2[end..offset].iter().all(|byte| *byte == 0));
+        assert_eq!(u32_at(V1_2, at + 12), crc32(&V1_2[offset..offset + byte_len]));
         end = offset + byte_len;
     }
-    assert_eq!(end, V1_1.len());
+    assert_eq!(end, V1_2.len());
 }
 
 #[test]
@@ -280,8 +287,8 @@ fn metadata_is_as_the_text_says() {
     }
     assert_eq!(
         (number(&mut at), number(&mut at)),
-        (0, 2),
-        "sampled bounds, two degenerate triangles"
+        (1, 2),
+        "envelope bounds, two degenerate triangles"
     );
     assert_eq!(at, bytes.len());
 }

@@ -2,7 +2,7 @@
 //!
 //! The two hashes are not here: any 32 bytes are a hash.
 
-use crate::fixture::{Forge, model, read_copy};
+use crate::fixture::{Forge, model, read_copy, sampled_model};
 use restpose_formats::{FormatError, FormatVersion, Header, SectionKind};
 
 fn error_of(change: impl FnOnce(&mut Header)) -> FormatError {
@@ -12,7 +12,7 @@ fn error_of(change: impl FnOnce(&mut Header)) -> FormatError {
 
 #[test]
 fn version() {
-    for (major, minor) in [(0, 0), (0, 9), (1, 0), (1, 2), (2, 0), (u16::MAX, u16::MAX)] {
+    for (major, minor) in [(0, 0), (0, 9), (1, 0), (1, 1), (1, 3), (2, 0), (u16::MAX, u16::MAX)] {
         let error = error_of(|header| (header.major, header.minor) = (major, minor));
         let supported = FormatVersion::READABLE;
         assert_eq!(
@@ -62,15 +62,14 @@ fn required_features() {
 
 #[test]
 fn optional_features() {
-    let error = error_of(|header| header.optional_features = 0);
-    assert_eq!(
-        error,
-        FormatError::FeatureMismatch {
-            bit: 1,
-            expected: true,
-            found: false
-        }
-    );
+    for (model, expected) in [(model(), false), (sampled_model(), true)] {
+        let bytes = Forge::of(&model).bytes_with(|header, _| header.optional_features ^= 1);
+        let (bit, found) = (1, !expected);
+        assert_eq!(
+            read_copy(&bytes),
+            Err(FormatError::FeatureMismatch { bit, expected, found })
+        );
+    }
     let bytes = Forge::of(&model()).bytes_with(|header, _| header.optional_features |= 1 << 40);
     assert_eq!(read_copy(&bytes), Ok(model()), "an unknown optional feature is ignored");
 }
@@ -83,7 +82,7 @@ fn section_count() {
     assert_eq!(
         error,
         FormatError::SectionMissing {
-            section: SectionKind::ReferenceBoxes
+            section: SectionKind::MorphEnvelopes
         }
     );
     let error = error_of(|header| header.section_count = 0);

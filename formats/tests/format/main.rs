@@ -4,6 +4,7 @@
 mod fixture;
 
 mod bare_boxes;
+mod bare_pose_spaces;
 mod bare_reader;
 mod broken;
 mod cache_limits;
@@ -12,6 +13,8 @@ mod damage;
 mod golden;
 mod header_fields;
 mod messages;
+mod pose_space_limits;
+mod pose_space_rules;
 mod random_bytes;
 mod round_trip;
 mod row_rules;

@@ -1,6 +1,7 @@
 //! What an error says: what, where, expected, found, and what to do.
 
 use crate::fixture::{Forge, model, read_copy};
+use restpose_formats::Bounds;
 
 fn message(bytes: &[u8]) -> String {
     read_copy(bytes).expect_err("the bytes are wrong").to_string()
@@ -26,10 +27,10 @@ fn a_file_cut_short() {
 
 #[test]
 fn another_version() {
-    for (major, minor) in [(1, 0), (2, 0)] {
+    for (major, minor) in [(1, 1), (2, 0)] {
         let bytes = Forge::of(&model()).bytes_with(|header, _| (header.major, header.minor) = (major, minor));
         let expected = format!(
-            "format version {major}.{minor} cannot be read; this library reads 1.1; re-bake the source with a matching \
+            "format version {major}.{minor} cannot be read; this library reads 1.2; re-bake the source with a matching \
              version of restpose"
         );
         assert_eq!(message(&bytes), expected);
@@ -54,6 +55,28 @@ fn a_broken_rule() {
         message(&Forge::of(&model).bytes()),
         "section TRIS, row 3: `corners` is 9, expected 4 or more and less than 9; the program that wrote it is at \
          fault: re-bake the source"
+    );
+}
+
+#[test]
+fn a_lever_that_is_too_short() {
+    let mut model = model();
+    model.levers[2].lever[1] = 0.75;
+    assert_eq!(
+        message(&Forge::of(&model).bytes()),
+        "section LEVR, row 2: `lever[1]` is 0.75, expected at least 1 for vertex 7 of the cluster; the program that \
+         wrote it is at fault: re-bake the source"
+    );
+}
+
+#[test]
+fn pose_spaces_without_need() {
+    let mut model = model();
+    model.meta.bounds = Bounds::Sampled;
+    assert_eq!(
+        message(&Forge::of(&model).bytes()),
+        "section PSPC has 3 rows, expected none, for the metadata says that bounds are sampled; the program that wrote \
+         it is at fault: re-bake the source"
     );
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{
     fixture::{Forge, model, read_copy, reseal},
-    golden::V1_1,
+    golden::V1_2,
 };
 use proptest::prelude::*;
 use restpose_formats::{MAGIC, Model, SectionKind, write};
@@ -58,9 +58,9 @@ proptest! {
 
     #[test]
     fn random_words_under_valid_checksums_do_not_panic(
-        changes in proptest::collection::vec((0..V1_1.len() / 4, word()), 1..4),
+        changes in proptest::collection::vec((0..V1_2.len() / 4, word()), 1..4),
     ) {
-        let mut bytes = V1_1.to_vec();
+        let mut bytes = V1_2.to_vec();
         for (at, word) in changes {
             bytes[at * 4..at * 4 + 4].copy_from_slice(&word.to_le_bytes());
         }
@@ -103,9 +103,9 @@ fn every_word_at_every_limit_does_not_panic() {
         0x7F80_0000,
         0xBF80_0000,
     ];
-    for at in 0..V1_1.len() / 4 {
+    for at in 0..V1_2.len() / 4 {
         for limit in limits {
-            let mut bytes = V1_1.to_vec();
+            let mut bytes = V1_2.to_vec();
             bytes[at * 4..at * 4 + 4].copy_from_slice(&limit.to_le_bytes());
             reseal(&mut bytes);
             read_and_rewrite(&bytes);

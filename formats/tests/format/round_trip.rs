@@ -40,6 +40,11 @@ fn a_model_without_morphs_and_clips_round_trips() {
     model.morph_targets.clear();
     model.morph_first.clear();
     model.morph_deltas.clear();
+    model.cluster_morphs.clear();
+    model.morph_envelopes.clear();
+    for space in &mut model.pose_spaces {
+        (space.morph_first, space.morph_count, space.morph_envelope_first) = (0, 0, 0);
+    }
     model.clips.clear();
     model.channels.clear();
     model.key_times.clear();

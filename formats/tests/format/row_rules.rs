@@ -3,7 +3,7 @@
 
 use crate::{
     broken::{at, rules},
-    fixture::model,
+    fixture::{model, sample_bounds},
 };
 use restpose_formats::{
     FormatError::*,
@@ -258,9 +258,11 @@ rules! {
 
     cluster_bones_are_in_range: |m| m.cluster_bones[2].bone = 3 => at!(ClusterBones, 2, IndexOutOfRange { .. }),
     cluster_bones_ascend:
-        |m| m.cluster_bones.swap(1, 2) => at!(ClusterBones, 2, NotAscending { field: "bone", found: 1, previous: 2 }),
+        |m| { sample_bounds(m); m.cluster_bones.swap(1, 2); }
+        => at!(ClusterBones, 2, NotAscending { field: "bone", found: 1, previous: 2 }),
     cluster_bones_are_distinct:
-        |m| m.cluster_bones[2].bone = 1 => at!(ClusterBones, 2, NotAscending { found: 1, previous: 1, .. }),
+        |m| { sample_bounds(m); m.cluster_bones[2].bone = 1; }
+        => at!(ClusterBones, 2, NotAscending { found: 1, previous: 1, .. }),
     cluster_bone_extents_are_finite:
         |m| m.cluster_bones[0].extent[1] = f32::NAN => at!(ClusterBones, 0, NotFinite { .. }),
     cluster_bone_extents_are_not_negative:
@@ -272,6 +274,7 @@ rules! {
         |m| m.cluster_bones[0].extent[0] = 4.5 => at!(Vertices, 0, BeyondExtent { axis: 0, extent_row: 0, .. }),
     every_bone_of_a_clusters_vertices_is_listed:
         |m| {
+            sample_bounds(m);
             m.cluster_bones.remove(3);
             m.clusters[2].cluster_bone_count = 1;
             m.clusters[3..].iter_mut().for_each(|cluster| cluster.cluster_bone_first -= 1);
@@ -279,6 +282,7 @@ rules! {
         => at!(Clusters, 2, ClusterBoneMissing { bone: 1, vertex: 6 }),
     a_bone_listed_for_one_cluster_does_not_count_for_the_next:
         |m| {
+            sample_bounds(m);
             m.cluster_bones.remove(1);
             m.clusters[1].cluster_bone_count = 1;
             m.clusters[2..].iter_mut().for_each(|cluster| cluster.cluster_bone_first -= 1);
@@ -286,6 +290,7 @@ rules! {
         => at!(Clusters, 1, ClusterBoneMissing { bone: 1, vertex: 4 }),
     only_bones_of_a_clusters_vertices_are_listed:
         |m| {
+            sample_bounds(m);
             m.cluster_bones.insert(1, m.cluster_bones[0]);
             m.cluster_bones[1].bone = 2;
             m.clusters[0].cluster_bone_count = 2;
