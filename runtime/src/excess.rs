@@ -81,6 +81,8 @@ struct Motion {
     numbers: [f64; 12],
     /// Length per unit of each number: by how much it displaces a vertex, at most.
     levers: [f64; 12],
+    /// Squares of the levers without morphs, as the baker weighed the numbers when it laid the envelopes' lines.
+    weights: [f64; 12],
 }
 
 /// The relative motions of a cluster's bones in a pose, and what is known of their rounding. Scratch: keep one and reuse it.
@@ -278,9 +280,8 @@ impl Motions {
                 for ((motion, mixed), row) in self.motions.iter().zip(&self.mix).zip(rows) {
                     for n in 0..12 {
                         let to = f64::from(row.center[n]) + place * f64::from(row.direction[n]) - mixed.center[n];
-                        let lever = motion.levers[n] * motion.levers[n];
-                        along += lever * to * (motion.numbers[n] - mixed.center[n]);
-                        length += lever * to * to;
+                        along += motion.weights[n] * to * (motion.numbers[n] - mixed.center[n]);
+                        length += motion.weights[n] * to * to;
                     }
                 }
                 let share = (along / length).min(1.0);
@@ -331,7 +332,7 @@ fn place_on_line(motions: &[Motion], rows: &[BoneEnvelopeRow]) -> f64 {
     let (mut along, mut length) = (0.0, 0.0);
     for (motion, row) in motions.iter().zip(rows) {
         for n in 0..12 {
-            let direction = f64::from(row.direction[n]) * motion.levers[n] * motion.levers[n];
+            let direction = f64::from(row.direction[n]) * motion.weights[n];
             along += direction * (motion.numbers[n] - f64::from(row.center[n]));
             length += direction * f64::from(row.direction[n]);
         }
@@ -385,11 +386,12 @@ impl Motion {
         }
         numbers[9..].copy_from_slice(&offset);
         let weight = f64::from(lever.weight);
-        let levers = std::array::from_fn(|n| match n / 3 {
-            3 => weight,
-            j => f64::from(lever.lever[j]) + weight * morphed[j],
-        });
-        Self { numbers, levers }
+        let lever = |n: usize| if n < 9 { f64::from(lever.lever[n / 3]) } else { weight };
+        Self {
+            numbers,
+            levers: std::array::from_fn(|n| lever(n) + if n < 9 { weight * morphed[n / 3] } else { 0.0 }),
+            weights: std::array::from_fn(|n| lever(n) * lever(n)),
+        }
     }
 }
 

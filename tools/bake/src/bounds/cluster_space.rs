@@ -70,6 +70,8 @@ impl ClusterSpace {
         let (of_clips, random) = (out.clip_stretches(model, poses), out.random_stretches(poses));
         // Random poses fill a volume, of which pieces would cover little: they are one envelope.
         let random: Vec<&Stretch> = random.iter().collect();
+        // Where nothing moves against the cluster, every pose is in its one envelope.
+        let most = if out.movers.is_empty() && out.morphs.is_empty() { 1 } else { most };
         let for_clips = most.saturating_sub(usize::from(!random.is_empty())).max(1);
         let mut groups = out.groups(&of_clips, &levers, for_clips);
         if most == 1 && !groups.is_empty() {

@@ -19,4 +19,6 @@ pub use pose_space::{LimitSettings, PoseSpace};
 pub(crate) use random_poses::random_poses;
 pub(crate) use relative_motion::{BoneSpans, Chord, Way, about, in_palette};
 pub(crate) use sample_times::sample_rows;
+#[cfg(test)]
+use span::spans_with_times;
 pub(crate) use span::{Span, spans};

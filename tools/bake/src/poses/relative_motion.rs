@@ -7,11 +7,11 @@ use super::{
     span::Span,
     span_map::{Numbers, SpanMap, less_identity},
 };
-use glam::{DAffine3, DMat3};
+use glam::DAffine3;
 use restpose_formats::{
     Model,
     geom::{Affine, round::UNIT_ROUNDOFF},
-    rows::NONE,
+    rows::{BoneRow, NONE},
 };
 
 /// Relative motions of some bones over a stretch of poses: the straight way from `begin` to `end`, and how far from it
@@ -42,31 +42,39 @@ const SECOND_ORDER: f64 = 1.0 + 1.0 / 64.0;
 
 impl BoneSpans {
     pub(crate) fn new(model: &Model, span: &Span) -> Self {
-        let mut worlds: Vec<SpanMap> = Vec::with_capacity(span.nodes.len());
+        // World from node and node from world.
+        let mut worlds: Vec<(SpanMap, Option<SpanMap>)> = Vec::with_capacity(span.nodes.len());
         for (row, node) in model.nodes.iter().zip(&span.nodes) {
             let [outer, inner] = node.forward();
             let local = outer.after(&inner);
+            let inverse = node.backward().map(|[outer, inner]| outer.after(&inner));
             worlds.push(match row.parent {
-                NONE => local,
-                parent => worlds[parent as usize].after(&local),
+                NONE => (local, inverse),
+                parent => {
+                    let (world, from_world) = &worlds[parent as usize];
+                    let inverse = inverse.zip(from_world.as_ref());
+                    (world.after(&local), inverse.map(|(inverse, from_world)| inverse.after(from_world)))
+                }
             });
         }
-        let bone = |bone: &restpose_formats::rows::BoneRow| {
-            let bind = SpanMap::constant(bind_columns(&bone.inverse_bind()));
-            let map = match bone.node {
-                NONE => bind,
-                node => worlds[node as usize].after(&bind),
+        let bone = |bone: &BoneRow| {
+            let columns = bind_columns(&bone.inverse_bind());
+            let unbind = DAffine3::from_cols_array_2d(&columns).inverse();
+            let unbind = unbind.is_finite().then(|| SpanMap::constant(unbind.to_cols_array_2d()));
+            let bind = SpanMap::constant(columns);
+            let (map, inverse) = match bone.node {
+                NONE => (bind, unbind),
+                node => {
+                    let (world, from_world) = &worlds[node as usize];
+                    let inverse = unbind.zip(from_world.as_ref());
+                    (world.after(&bind), inverse.map(|(unbind, from_world)| unbind.after(from_world)))
+                }
             };
             let size = map.magnitude();
-            let moved = norm(&map.rate[..9]);
-            let inverse = DMat3::from_cols_slice(&map.begin[..9]).inverse();
-            let inverse = norm(&inverse.to_cols_array());
-            // X(s)⁻¹ = (1 + X(0)⁻¹(X(s) − X(0)))⁻¹ X(0)⁻¹.
-            let share = inverse * moved;
             BoneSpan {
                 linear: norm(&size[..9]),
                 translation: norm(&size[9..]),
-                inverse: (share < 0.5).then(|| inverse / (1.0 - share)),
+                inverse: inverse.map(|inverse| norm(&inverse.magnitude()[..9])),
             }
         };
         Self {
@@ -196,4 +204,68 @@ fn bind_columns(map: &Affine) -> [[f64; 3]; 4] {
 
 fn norm(numbers: &[f64]) -> f64 {
     numbers.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BakeSettings, NoProgress, bake, import::import, poses::spans_with_times};
+    use restpose_runtime::{Pose, PoseEvaluator, invert_frame};
+    use std::path::Path;
+
+    /// What the runtime's own evaluation, rounded palette and all, makes of any time in a span is near the span's chord, on
+    /// every pair of bones of the bundled scenes that moves a vertex together.
+    #[test]
+    fn motions_between_samples_stay_near_their_chords() {
+        let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../samples/scenes");
+        for name in ["walker.glb", "mixed.glb", "machine.gltf", "tentacle.gltf"] {
+            let animation = import(&scenes.join(name)).unwrap().animation;
+            let settings = BakeSettings {
+                sample_step_seconds: 0.1,
+                ..BakeSettings::default()
+            };
+            let model = bake(&animation, &settings, &NoProgress).unwrap().model;
+            let view = model.view();
+            let mut pairs: Vec<(u32, u32)> = Vec::new();
+            for cluster in model.clusters.iter().filter(|cluster| cluster.track == NONE) {
+                let rows = &model.cluster_bones[cluster.cluster_bone_first as usize..][..cluster.cluster_bone_count as usize];
+                pairs.extend(rows.iter().filter(|row| row.bone != cluster.bone).map(|row| (cluster.bone, row.bone)));
+            }
+            let ways: Vec<Way> = pairs
+                .iter()
+                .map(|(own, other)| Way::new(&model, *own as usize, *other as usize).unwrap())
+                .collect();
+            let mut random = fastrand::Rng::with_seed(6);
+            let (mut evaluator, mut pose) = (PoseEvaluator::default(), Pose::default());
+            for (span, clip, [begin, end]) in spans_with_times(&model) {
+                let bones = BoneSpans::new(&model, &span);
+                for _ in 0..3 {
+                    let s = random.f64();
+                    let seconds = (begin + s * (end - begin)) as f32;
+                    if f64::from(seconds) < begin || f64::from(seconds) > end {
+                        continue;
+                    }
+                    let s = if end > begin { (f64::from(seconds) - begin) / (end - begin) } else { 0.0 };
+                    evaluator.evaluate(&view, clip, seconds, &mut pose);
+                    for ((own, other), way) in pairs.iter().zip(&ways) {
+                        let [own, other] = [own, other].map(|bone| &pose.palette[*bone as usize]);
+                        let pivot = [0.1, 0.2, -0.3];
+                        let found = about(&in_palette(&invert_frame(own).unwrap(), own, other), pivot);
+                        let mut chord = Chord::default();
+                        assert!(way.follow(&span, &bones, pivot, &mut chord));
+                        for n in 0..12 {
+                            let on_chord = (1.0 - s) * chord.begin[n] + s * chord.end[n];
+                            assert!(
+                                (found[n] - on_chord).abs() <= chord.stray[n],
+                                "{name}: bones {:?}, number {n} at {seconds} s of {begin} to {end}: {} is not {on_chord} ± {}",
+                                way.bones,
+                                found[n],
+                                chord.stray[n]
+                            );
+                        }
+                    }
+                }
+            }
+        }
+    }
 }

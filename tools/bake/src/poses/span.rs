@@ -322,6 +322,11 @@ const MOST_CUTS: f64 = 64.0;
 
 /// All spans of the clips that `model.samples` names, between their consecutive times, and the pose without clips.
 pub(crate) fn spans(model: &Model) -> Vec<Span> {
+    spans_with_times(model).into_iter().map(|(span, ..)| span).collect()
+}
+
+/// As [`spans`], each with its clip, if any, and the times at its ends.
+pub(crate) fn spans_with_times(model: &Model) -> Vec<(Span, Option<usize>, [f64; 2])> {
     let mut stretches = Vec::new();
     for pair in model.samples.windows(2) {
         let [a, b] = [pair[0], pair[1]];
@@ -345,11 +350,14 @@ pub(crate) fn spans(model: &Model) -> Vec<Span> {
     while stretches.len() < MOST_SPANS && turns.iter().map(|turn| cuts(*turn, step)).sum::<usize>() > MOST_SPANS {
         step *= 2.0;
     }
-    let mut out = vec![Span::at_rest(model)];
+    let mut out = vec![(Span::at_rest(model), None, [0.0; 2])];
     for ((clip, begin, end), turn) in stretches.into_iter().zip(turns) {
         let count = if out.len() < MOST_SPANS { cuts(turn, step) } else { 1 };
         let time = |cut: usize| if cut == count { end } else { begin + (end - begin) * cut as f64 / count as f64 };
-        out.extend((0..count).map(|cut| Span::of_clip(model, clip, time(cut), time(cut + 1))));
+        out.extend((0..count).map(|cut| {
+            let ends = [time(cut), time(cut + 1)];
+            (Span::of_clip(model, clip, ends[0], ends[1]), Some(clip), ends)
+        }));
     }
     out
 }
