@@ -104,7 +104,6 @@ mod tests {
     use super::*;
     use restpose_runtime::invert_frame;
 
-    /// Singular values of a distortion from least to greatest.
     fn drawn(family: PoseFamily) -> Vec<DAffine3> {
         let mut random = Rng::with_seed(3);
         (0..200).map(|_| distortion(family, &mut random)).collect()

@@ -5,7 +5,7 @@ use super::{
 };
 use crate::import::Animation;
 use fastrand::Rng;
-use glam::DAffine3;
+use glam::{DAffine3, DQuat};
 use restpose_formats::{
     ModelView,
     rows::{BoneRow, NONE, SampleRow},
@@ -74,7 +74,7 @@ impl<'a> RandomPoses<'a> {
     pub fn draw(&mut self, family: PoseFamily, random: &mut Rng) -> (Vec<Affine>, Vec<f32>) {
         self.nodes.play(clip_time(self.model, false, random));
         match family {
-            PoseFamily::Ragdoll => self.turn_joints(|random| rotation(random), random),
+            PoseFamily::Ragdoll => self.turn_joints(rotation, random),
             PoseFamily::SmallTurns => self.turn_joints(small_turn, random),
             PoseFamily::Mix => {
                 for node in 0..self.nodes.worlds.len() {
@@ -111,7 +111,7 @@ impl<'a> RandomPoses<'a> {
         (palette, weights)
     }
 
-    fn turn_joints(&mut self, turn: impl Fn(&mut Rng) -> glam::DQuat, random: &mut Rng) {
+    fn turn_joints(&mut self, turn: impl Fn(&mut Rng) -> DQuat, random: &mut Rng) {
         for joint in self.joints.iter().copied() {
             // An even rotation after any other is even.
             self.nodes.locals[joint].turn(turn(random));
