@@ -21,6 +21,7 @@ fn verified(animation: &Animation, settings: &BakeSettings, rays: u64) -> Option
     let settings = VerifySettings {
         rays,
         poses: 12,
+        pose_source: None,
         seed: 3,
     };
     let report = verify(&asset, animation, &settings, &NoProgress).unwrap_or_else(|error| panic!("{error}"));

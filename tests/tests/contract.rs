@@ -23,6 +23,7 @@ fn hits_equal_brute_force_on_every_scene() {
         let settings = VerifySettings {
             rays: 20_000,
             poses: 24,
+            pose_source: None,
             seed: 7,
         };
         let report = verify(&asset, &animation, &settings, &NoProgress).unwrap();
@@ -63,6 +64,7 @@ fn verify_random(animation: &Animation, rays: u64) -> VerifyReport {
         &VerifySettings {
             rays,
             poses: 6,
+            pose_source: None,
             seed: 3,
         },
         &NoProgress,

@@ -64,6 +64,7 @@ fn a_morphing_part_can_be_keyframed_or_free_and_keeps_the_contract() {
             let settings = VerifySettings {
                 rays: 6_000,
                 poses: 24,
+                pose_source: None,
                 seed: 2,
             };
             let report = verify(&asset, &animation, &settings, &NoProgress).unwrap();

@@ -25,6 +25,7 @@ fn verified(model: &Model, animation: &Animation) -> VerifyReport {
     let settings = VerifySettings {
         rays: 4_000,
         poses: 8,
+        pose_source: None,
         seed: 2,
     };
     verify(&asset, animation, &settings, &NoProgress).unwrap()

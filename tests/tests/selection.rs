@@ -12,6 +12,7 @@ use std::sync::Arc;
 const QUICK: VerifySettings = VerifySettings {
     rays: 2_000,
     poses: 8,
+    pose_source: None,
     seed: 1,
 };
 

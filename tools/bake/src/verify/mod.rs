@@ -1,11 +1,23 @@
 //! Verification: the runtime's hits against brute force over posed triangles, and its vertices against the source.
 
 mod oracle;
+mod pose_source;
+mod poses;
+mod random_map;
+mod random_pose;
 mod rays;
+mod report;
+mod source_curve;
+mod source_nodes;
 mod source_pose;
+#[cfg(test)]
+mod tests;
 
 pub use oracle::Oracle;
+pub use pose_source::{PoseFamily, PoseSource, SMALL_TURN_DEG};
+pub use poses::{BonePose, DrawnPose, Poses};
 pub use rays::{RayKind, Rays};
+pub use report::{Failure, FamilyReport, VerifyReport};
 pub use source_pose::SourcePose;
 
 use crate::{
@@ -14,23 +26,21 @@ use crate::{
     motion::turned,
 };
 use rayon::prelude::*;
-use restpose_formats::{
-    ModelView,
-    rows::{CacheRow, NONE, SampleRow},
-};
-use restpose_runtime::{Affine, Asset, InstanceId, Ray, Scene};
-use serde::Serialize;
-use std::sync::Arc;
+use restpose_formats::{Bounds, rows::NONE};
+use restpose_runtime::{Affine, Asset, Ray, Scene};
+use std::{borrow::Cow, sync::Arc};
 
 /// What to verify.
 #[derive(Clone, Debug)]
 pub struct VerifySettings {
     /// Rays over all poses. Default 100,000.
     pub rays: u64,
-    /// Poses. Bones and morph weights stand at the file's samples, spread evenly; vertex caches at random times, every
-    /// fourth time at a key. Default 16; no more are used than there are rays, nor, without vertex caches, samples.
+    /// Poses. Default 16; no more are used than there are rays, nor, of samples without vertex caches, than there are.
     pub poses: u64,
-    /// Seed of rays and instance transforms. Default 1.
+    /// Where poses come from. Default: samples where the file's boxes are sampled, else clips. Other poses of a file with
+    /// sampled boxes measure what sampling loses.
+    pub pose_source: Option<PoseSource>,
+    /// Seed of poses, rays and instance transforms. Default 1.
     pub seed: u64,
 }
 
@@ -39,49 +49,10 @@ impl Default for VerifySettings {
         Self {
             rays: 100_000,
             poses: 16,
+            pose_source: None,
             seed: 1,
         }
     }
-}
-
-/// What was found.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct VerifyReport {
-    /// Rays traced, each by `closest_hit`, `any_hit`, and by brute force.
-    pub rays: u64,
-    /// Poses.
-    pub poses: u64,
-    /// Poses that the file was baked for.
-    pub samples: u64,
-    /// Rays that hit something, by brute force.
-    pub hits: u64,
-    /// Rays that hit by brute force and miss by the runtime, closest or any.
-    pub missed: u64,
-    /// Rays whose hit differs in any bit, or that hit only by the runtime.
-    pub wrong: u64,
-    /// Greatest distance between a vertex as posed and the source evaluated in `f64`, relative to the model's size.
-    pub max_vertex_error: f64,
-    /// Triangles tested by brute force.
-    pub oracle_tests: u64,
-    /// The first few rays that went wrong, to reproduce them.
-    pub failures: Vec<Failure>,
-}
-
-/// A ray whose hit is not the oracle's.
-#[derive(Clone, Debug, Serialize)]
-pub struct Failure {
-    /// Row of the sample section.
-    pub sample: usize,
-    /// Frames of the vertex caches.
-    pub cache_frames: Vec<f64>,
-    /// Ray origin.
-    pub origin: [f32; 3],
-    /// Ray direction.
-    pub direction: [f32; 3],
-    /// `t` and triangle by brute force.
-    pub expected: Option<(f32, u32)>,
-    /// `t` and triangle by the runtime.
-    pub found: Option<(f32, u32)>,
 }
 
 /// Why nothing was verified.
@@ -101,11 +72,8 @@ pub enum VerifyError {
     Import(#[from] ImportError),
 }
 
-/// Failures that a report lists.
-const LISTED_FAILURES: usize = 8;
-
-/// Compares, bit for bit, `closest_hit` and `any_hit` with brute force over all triangles, in poses from the file's
-/// samples, every second one under a random instance transform; and every vertex with the source in `f64`.
+/// Compares, bit for bit, `closest_hit` and `any_hit` with brute force over all triangles, in poses of the source that the
+/// settings name, every second one under a random instance transform; and every vertex with the source in `f64`.
 ///
 /// # Errors
 /// [`VerifyError::OtherSource`]. Wrong hits are results, not errors.
@@ -121,128 +89,84 @@ pub fn verify(
             source_name: source.source_name.clone(),
         });
     }
+    let pose_source = settings.pose_source.unwrap_or(match model.meta.bounds {
+        Bounds::Sampled => PoseSource::Samples,
+        Bounds::Envelope => PoseSource::Clips,
+    });
     let samples = model.samples.len() as u64;
-    let most_poses = if model.caches.is_empty() { samples } else { u64::MAX };
-    let poses = settings.poses.min(most_poses).min(settings.rays).max(1);
-    let mut report = VerifyReport {
-        poses,
-        samples,
-        ..VerifyReport::default()
+    let most_poses = match pose_source {
+        PoseSource::Samples if model.caches.is_empty() => samples,
+        _ => u64::MAX,
     };
-    let mut random = fastrand::Rng::with_seed(settings.seed);
+    let count = settings.poses.min(most_poses).min(settings.rays).max(1);
+    let source = &*as_baked(source, asset);
+    let mut source_pose = SourcePose::new(source, model);
+    let mut poses = Poses::new(source, model, pose_source, settings.seed, count);
+    let families = match pose_source {
+        PoseSource::Random => poses.families(),
+        PoseSource::Samples | PoseSource::Clips => &[],
+    };
+    let mut report = VerifyReport {
+        rays: 0,
+        poses: count,
+        pose_source,
+        seed: settings.seed,
+        bounds: model.meta.bounds,
+        samples,
+        hits: 0,
+        missed: 0,
+        wrong: 0,
+        max_vertex_error: 0.0,
+        oracle_tests: 0,
+        families: families.iter().map(|family| FamilyReport::new(*family)).collect(),
+        failures: Vec::new(),
+    };
     let mut scene = Scene::new();
     let instance = scene.add(asset);
-    let clips = source_pose::source_clips(source, model);
-    let turned_parts: Vec<usize> = (0..source.parts.len().min(model.parts.len()))
-        .filter(|part| model.parts[*part].cache != NONE && source.parts[*part].cache.is_none())
-        .collect();
-    let source = &*turned(source, &clips, &turned_parts);
-    let mut source_pose = SourcePose::new(source, model);
 
     progress.stage("verify", settings.rays);
-    for pose in 0..poses {
-        let sample = (u128::from(pose) * u128::from(samples) / u128::from(poses)) as usize;
-        let cache_frames = random_frames(model, pose, &mut random);
-        // A file without samples still has the pose without any clip.
-        let row = model.samples.get(sample).copied().unwrap_or(SampleRow {
-            clip: NONE,
-            seconds: 0.0,
-        });
-        let transform = if pose % 2 == 0 {
-            Affine::IDENTITY
-        } else {
-            random_transform(&mut random)
-        };
-        let posed = if row.clip == NONE {
-            scene.set_default_pose(instance)
-        } else {
-            scene.play(instance, row.clip as usize, row.seconds)
-        };
-        let played = scene.set_cache_frames(instance, &cache_frames);
+    for index in 0..count {
+        let pose = poses.pose(index);
+        let posed = pose.set(&mut scene, instance);
         let placed = scene.set_transform(instance, Affine::IDENTITY);
-        debug_assert!(posed.is_ok() && played.is_ok() && placed.is_ok());
-        let error = source_pose.greatest_error(&scene.commit(), instance, row, &cache_frames);
+        debug_assert!(posed.is_ok() && placed.is_ok());
+        let error = source_pose.greatest_error(&scene.commit(), instance, &pose.bones, &pose.cache_frames);
         report.max_vertex_error = report.max_vertex_error.max(error);
 
-        let placed = scene.set_transform(instance, transform);
+        let placed = scene.set_transform(instance, pose.transform);
         debug_assert!(placed.is_ok());
-        let rays = settings.rays * (pose + 1) / poses - settings.rays * pose / poses;
-        let stand = (sample, cache_frames.as_slice());
-        verify_pose(&mut scene, instance, stand, rays, &mut random, &mut report, progress);
+        let frame = scene.commit();
+        let oracle = Oracle::new(&frame, &[instance]);
+        let ray_count = part_of(settings.rays, index + 1, count) - part_of(settings.rays, index, count);
+        let rays: Vec<Ray> = Rays::new(&oracle, pose.ray_seed).take(ray_count as usize).collect();
+        let outcomes: Vec<(Option<_>, Option<_>, bool)> = rays
+            .par_iter()
+            .map(|ray| {
+                progress.advance(1);
+                (oracle.closest_hit(ray), frame.closest_hit(ray), frame.any_hit(ray))
+            })
+            .collect();
+        let outcomes = rays.iter().zip(outcomes);
+        report.add(
+            &pose,
+            frame.stats(),
+            outcomes.map(|(ray, (expected, found, any))| (ray, expected, found, any)),
+        );
+        report.oracle_tests += ray_count * oracle.triangle_count() as u64;
     }
     Ok(report)
 }
 
-fn verify_pose(
-    scene: &mut Scene,
-    instance: InstanceId,
-    (sample, cache_frames): (usize, &[f64]),
-    ray_count: u64,
-    random: &mut fastrand::Rng,
-    report: &mut VerifyReport,
-    progress: &dyn Progress,
-) {
-    let frame = scene.commit();
-    let oracle = Oracle::new(&frame, &[instance]);
-    let rays: Vec<Ray> = Rays::new(&oracle, random.u64(..)).take(ray_count as usize).collect();
-    let outcomes: Vec<(Option<_>, Option<_>, bool)> = rays
-        .par_iter()
-        .map(|ray| {
-            progress.advance(1);
-            (oracle.closest_hit(ray), frame.closest_hit(ray), frame.any_hit(ray))
-        })
+/// `count / of` of `whole`, rounded down.
+fn part_of(whole: u64, count: u64, of: u64) -> u64 {
+    (u128::from(whole) * u128::from(count) / u128::from(of)) as u64
+}
+
+/// The source with vertex caches for the parts whose morph targets were baked as such.
+fn as_baked<'a>(source: &'a Animation, asset: &Asset) -> Cow<'a, Animation> {
+    let model = asset.model();
+    let parts: Vec<usize> = (0..source.parts.len().min(model.parts.len()))
+        .filter(|part| model.parts[*part].cache != NONE && source.parts[*part].cache.is_none())
         .collect();
-    for (ray, (expected, found, any)) in rays.iter().zip(outcomes) {
-        report.rays += 1;
-        report.hits += u64::from(expected.is_some());
-        let missed = expected.is_some() && (found.is_none() || !any);
-        let wrong = !missed && (expected != found || any != expected.is_some());
-        report.missed += u64::from(missed);
-        report.wrong += u64::from(wrong);
-        if (missed || wrong) && report.failures.len() < LISTED_FAILURES {
-            let brief = |hit: Option<restpose_runtime::Hit>| hit.map(|hit| (hit.t, hit.triangle));
-            let (origin, direction) = (ray.origin, ray.direction);
-            report.failures.push(Failure {
-                sample,
-                cache_frames: cache_frames.to_vec(),
-                origin,
-                direction,
-                expected: brief(expected),
-                found: brief(found),
-            });
-        }
-    }
-    report.oracle_tests += ray_count * oracle.triangle_count() as u64;
-}
-
-/// Where each vertex cache stands in a pose: at a key in every fourth, else anywhere between its first and last.
-fn random_frames(model: &ModelView, pose: u64, random: &mut fastrand::Rng) -> Vec<f64> {
-    let frame = |cache: &CacheRow| {
-        let last = cache.key_count - 1;
-        if pose.is_multiple_of(4) {
-            f64::from(random.u32(0..=last))
-        } else {
-            random.f64() * f64::from(last)
-        }
-    };
-    model.caches.iter().map(frame).collect()
-}
-
-/// A rotation, mirrored at times, with uneven scale and a translation of a few units.
-fn random_transform(random: &mut fastrand::Rng) -> Affine {
-    let mut signed = |magnitude: f64| (random.f64() * 2.0 - 1.0) * magnitude;
-    let axis = glam::DVec3::new(signed(1.0), signed(1.0), signed(1.0))
-        .try_normalize()
-        .unwrap_or(glam::DVec3::X);
-    let rotation = glam::DQuat::from_axis_angle(axis, signed(3.1));
-    let translation = glam::DVec3::new(signed(8.0), signed(8.0), signed(8.0));
-    let scale = glam::DVec3::new(
-        1.0 + signed(0.6),
-        1.0 + signed(0.6),
-        (1.0 + signed(0.6)) * signed(1.0).signum(),
-    );
-    let map = glam::DAffine3::from_scale_rotation_translation(scale, rotation, translation);
-    Affine {
-        columns: map.to_cols_array_2d().map(|column| column.map(|x| x as f32)),
-    }
+    turned(source, &source_nodes::source_clips(source, model), &parts)
 }

@@ -1,280 +1,261 @@
-use crate::{
-    import::{Animation, Channel, ChannelTarget, Local, Part},
-    motion::parents_first,
-};
-use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
+use super::{BonePose, source_nodes::SourceNodes};
+use crate::import::{Animation, Part};
+use glam::{DAffine3, DVec3};
 use restpose_formats::{
     ModelView,
-    rows::{Interpolation, MotionClass, NONE, SampleRow},
+    rows::{MotionClass, NONE},
 };
-use restpose_runtime::{Frame, InstanceId};
+use restpose_runtime::{Affine, Frame, InstanceId};
 
 /// The source evaluated in `f64`, without going through the baked file: what the runtime's vertices should be.
+///
+/// Poses are those of the source's clips at any time, or given maps: then the source's rest positions, morph targets and
+/// weights are posed by them.
 ///
 /// Source: glTF 2.0, §3.7.3 (skins, morph targets) and appendix C (interpolation).
 pub struct SourcePose<'a> {
     animation: &'a Animation,
-    /// Per clip of the file: its number in the source.
-    clips: Vec<usize>,
-    /// Per part: whether it was frozen in the pose without clips, by class.
-    frozen: Vec<bool>,
-    order: Vec<usize>,
-    worlds: Vec<DAffine3>,
-    weights: Vec<Vec<f64>>,
-    /// Per vertex cache: its frame.
-    frames: Vec<f64>,
-    /// Per part: the cache row of the file.
-    cache_rows: Vec<Option<usize>>,
+    parts: Vec<BakedPart>,
+    /// Without any clip.
+    still: SourceNodes<'a>,
+    played: SourceNodes<'a>,
+    size: f64,
+}
+
+/// What the file says of a part of the source.
+#[derive(Default)]
+struct BakedPart {
+    /// Frozen in the pose without any clip, on bone 0.
+    frozen: bool,
+    /// Bone row per joint of the skin, or that of the node; `NONE` for what the file lacks.
+    bones: Vec<u32>,
+    /// First of its morph target rows, if its morph targets are in the file.
+    target_first: Option<usize>,
+    /// Cache row.
+    cache: Option<usize>,
+}
+
+/// What poses a part's vertices.
+struct PartPose {
+    /// Asset space from rest space per joint of the skin, or that of the node.
+    maps: Vec<DAffine3>,
+    weights: Vec<f64>,
+    cache_frame: f64,
 }
 
 impl<'a> SourcePose<'a> {
     /// `model` is a bake of `animation`.
     #[must_use]
     pub fn new(animation: &'a Animation, model: &ModelView) -> Self {
-        let clips = source_clips(animation, model);
-        let frozen = model
-            .parts
-            .iter()
-            .map(|part| part.class == MotionClass::Static as u32)
+        let still = SourceNodes::new(animation, model);
+        let mut parts: Vec<BakedPart> = (0..animation.parts.len().min(model.parts.len()))
+            .map(|index| BakedPart::new(&animation.parts[index], model, index))
             .collect();
-        Self {
+        parts.resize_with(animation.parts.len(), BakedPart::default);
+        let mut pose = Self {
             animation,
-            clips,
-            frozen,
-            order: parents_first(animation),
-            worlds: vec![DAffine3::IDENTITY; animation.nodes.len()],
-            weights: vec![Vec::new(); animation.nodes.len()],
-            frames: vec![0.0; animation.caches.len()],
-            cache_rows: model
-                .parts
-                .iter()
-                .map(|part| (part.cache != NONE).then_some(part.cache as usize))
-                .collect(),
+            parts,
+            played: still.clone(),
+            still,
+            size: 0.0,
+        };
+        let mut bounds = Bounds::EMPTY;
+        for index in 0..animation.parts.len() {
+            let part = pose.played_part(index, &pose.still, 0.0);
+            pose.visit(index, &part, |point| bounds.add(point));
         }
+        pose.size = bounds.diagonal();
+        pose
     }
 
-    /// The greatest distance between a vertex in `frame` and in the source at `sample`, relative to the diagonal of
-    /// the box around the source's vertices. The instance stands at the identity; its caches, by cache row of the file, at
-    /// `cache_frames`, whatever the sample says.
+    /// Diagonal of the box around the vertices without any clip.
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        self.size
+    }
+
+    /// The greatest distance between a vertex in `frame` and in the source in this pose, relative to the size of the model
+    /// as it is posed or without any clip, whichever is greater: a pose may leave it none. The instance stands at the
+    /// identity; its caches, by cache row of the file, at `cache_frames`, whatever a clip says.
+    ///
+    /// Vertices beyond the range of `f32` are left out.
     pub fn greatest_error(
         &mut self,
         frame: &Frame,
         instance: InstanceId,
-        sample: SampleRow,
+        bones: &BonePose,
         cache_frames: &[f64],
     ) -> f64 {
-        let mut row = 0;
-        let (mut low, mut high, mut greatest) = (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0f64);
-        for (index, part) in self.animation.parts.iter().enumerate() {
-            let clip = if sample.clip == NONE || self.frozen.get(index).copied().unwrap_or(true) {
-                None
-            } else {
-                self.clips.get(sample.clip as usize).copied()
-            };
-            self.pose_nodes(clip, f64::from(sample.seconds));
-            if let (Some(cache), Some(row)) = (part.cache, self.cache_rows[index]) {
-                self.frames[cache] = cache_frames[row];
-            }
-            for (primitive, source) in self.animation.meshes[part.mesh].primitives.iter().enumerate() {
-                for vertex in 0..source.positions.len() {
-                    let expected = self.vertex(part, primitive, vertex);
-                    let found = frame
-                        .vertex(instance, row)
-                        .map_or(DVec3::NAN, |v| DVec3::from(v.map(f64::from)));
-                    row += 1;
-                    (low, high) = (low.min(expected), high.max(expected));
-                    let distance = expected.distance(found);
-                    greatest = if distance.is_nan() {
-                        f64::INFINITY
-                    } else {
-                        greatest.max(distance)
-                    };
+        if let BonePose::Clip(at) = bones {
+            self.played.play(*at);
+        }
+        let (mut row, mut bounds, mut greatest) = (0, Bounds::EMPTY, 0.0f64);
+        for index in 0..self.parts.len() {
+            let baked = &self.parts[index];
+            let cache_frame = baked.cache.and_then(|cache| cache_frames.get(cache)).copied();
+            let cache_frame = cache_frame.unwrap_or(0.0);
+            let part = match bones {
+                BonePose::Clip(_) if baked.frozen => self.played_part(index, &self.still, cache_frame),
+                BonePose::Clip(_) => self.played_part(index, &self.played, cache_frame),
+                BonePose::Palette { palette, morph_weights } => {
+                    self.given_part(index, palette, morph_weights, cache_frame)
                 }
-            }
+            };
+            self.visit(index, &part, |expected| {
+                let found = frame
+                    .vertex(instance, row)
+                    .map_or(DVec3::NAN, |v| DVec3::from(v.map(f64::from)));
+                row += 1;
+                if expected.abs().max_element() > f64::from(f32::MAX) {
+                    return;
+                }
+                bounds.add(expected);
+                let distance = expected.distance(found);
+                greatest = if distance.is_nan() {
+                    f64::INFINITY
+                } else {
+                    greatest.max(distance)
+                };
+            });
         }
-        let size = low.distance(high);
-        if greatest == 0.0 { 0.0 } else { greatest / size }
-    }
-
-    fn pose_nodes(&mut self, clip: Option<usize>, seconds: f64) {
-        let animation = self.animation;
-        let mut locals: Vec<Local64> = animation.nodes.iter().map(|node| Local64::new(&node.local)).collect();
-        for (weights, node) in self.weights.iter_mut().zip(&animation.nodes) {
-            weights.clear();
-            weights.extend(node.weights.iter().map(|weight| f64::from(*weight)));
-        }
-        self.frames.fill(0.0);
-        for channel in clip.into_iter().flat_map(|clip| &animation.clips[clip].channels) {
-            let value = value(channel, seconds);
-            match channel.target {
-                ChannelTarget::Translation => locals[channel.node].translation = DVec3::from_slice(&value),
-                ChannelTarget::Scale => locals[channel.node].scale = DVec3::from_slice(&value),
-                ChannelTarget::Rotation => locals[channel.node].rotation = DQuat::from_slice(&value),
-                ChannelTarget::Weights => self.weights[channel.node] = value,
-                ChannelTarget::Frame => self.frames[channel.node] = value[0],
-            }
-        }
-        for node in self.order.iter().copied() {
-            let local = locals[node].affine();
-            self.worlds[node] = animation.nodes[node]
-                .parent
-                .map_or(local, |parent| self.worlds[parent] * local);
+        if greatest == 0.0 {
+            0.0
+        } else {
+            greatest / bounds.diagonal().max(self.size)
         }
     }
 
-    fn vertex(&self, part: &Part, primitive: usize, vertex: usize) -> DVec3 {
+    /// A part as its nodes stand.
+    fn played_part(&self, index: usize, nodes: &SourceNodes, cache_frame: f64) -> PartPose {
+        let part = &self.animation.parts[index];
+        let maps = part.skin.map_or_else(
+            || vec![nodes.worlds[part.node]],
+            |skin| {
+                let skin = &self.animation.skins[skin];
+                let joints = skin.joints.iter().zip(&skin.inverse_bind);
+                joints
+                    .map(|(joint, inverse_bind)| nodes.worlds[*joint] * affine(inverse_bind))
+                    .collect()
+            },
+        );
+        PartPose {
+            maps,
+            weights: nodes.weights[part.node].clone(),
+            cache_frame,
+        }
+    }
+
+    /// A part as given maps and weights pose it.
+    fn given_part(&self, index: usize, palette: &[Affine], morph_weights: &[f32], cache_frame: f64) -> PartPose {
+        let baked = &self.parts[index];
+        let mut pose = self.played_part(index, &self.still, cache_frame);
+        let map_of = |bone: u32| {
+            palette
+                .get(bone as usize)
+                .map_or(DAffine3::NAN, |map| affine(&map.columns))
+        };
+        if baked.frozen {
+            // Weights sum to one, so the asset's own map can come before the blend.
+            pose.maps.iter_mut().for_each(|map| *map = map_of(0) * *map);
+        } else {
+            pose.maps = baked.bones.iter().map(|bone| map_of(*bone)).collect();
+        }
+        if let Some(first) = baked.target_first {
+            let given = morph_weights.iter().skip(first).map(|weight| f64::from(*weight));
+            pose.weights.iter_mut().zip(given).for_each(|(own, given)| *own = given);
+        }
+        pose
+    }
+
+    /// Gives every vertex of a part, in the order of its vertex rows.
+    fn visit(&self, index: usize, pose: &PartPose, mut give: impl FnMut(DVec3)) {
+        let part = &self.animation.parts[index];
+        for (primitive, source) in self.animation.meshes[part.mesh].primitives.iter().enumerate() {
+            for vertex in 0..source.positions.len() {
+                give(self.vertex(part, pose, primitive, vertex));
+            }
+        }
+    }
+
+    fn vertex(&self, part: &Part, pose: &PartPose, primitive: usize, vertex: usize) -> DVec3 {
         let primitive = &self.animation.meshes[part.mesh].primitives[primitive];
         let point = |p: [f32; 3]| DVec3::from(p.map(f64::from));
+        let moved = |joint: usize, p: DVec3| pose.maps.get(joint).map_or(DVec3::NAN, |map| map.transform_point3(p));
         if let Some(cache) = part.cache {
             let cache = &self.animation.caches[cache];
             let at = primitive.points[vertex] as usize;
-            let frame = self.frames[part.cache.unwrap_or(0)].clamp(0.0, (cache.frame_count() - 1) as f64);
+            let last = (cache.frame_count() - 1) as f64;
+            let frame = pose.cache_frame.clamp(0.0, last);
             let before = frame.floor();
-            let [a, b] = [before, (before + 1.0).min((cache.frame_count() - 1) as f64)]
-                .map(|frame| point(cache.frame(frame as usize)[at]));
-            return self.worlds[part.node].transform_point3(a + (b - a) * (frame - before));
+            let [a, b] = [before, (before + 1.0).min(last)].map(|frame| point(cache.frame(frame as usize)[at]));
+            return moved(0, a + (b - a) * (frame - before));
         }
         let mut p = point(primitive.positions[vertex]);
-        for (target, weight) in primitive.morph_targets.iter().zip(&self.weights[part.node]) {
+        for (target, weight) in primitive.morph_targets.iter().zip(&pose.weights) {
             p += *weight * point(target[vertex]);
         }
-        let Some(skin) = part.skin else {
-            return self.worlds[part.node].transform_point3(p);
-        };
-        let skin = &self.animation.skins[skin];
+        if part.skin.is_none() {
+            return moved(0, p);
+        }
         let influences = &primitive.influences[vertex];
         let sum: f64 = influences.iter().map(|influence| f64::from(influence.weight)).sum();
-        let moved = |joint: usize| {
-            let inverse_bind = DAffine3::from_cols_array_2d(&skin.inverse_bind[joint].map(|c| c.map(f64::from)));
-            (self.worlds[skin.joints[joint]] * inverse_bind).transform_point3(p)
-        };
         influences
             .iter()
-            .map(|influence| f64::from(influence.weight) / sum * moved(influence.joint))
+            .map(|influence| f64::from(influence.weight) / sum * moved(influence.joint, p))
             .sum()
     }
 }
 
-/// Per clip of the file: its number in the source.
-pub(super) fn source_clips(animation: &Animation, model: &ModelView) -> Vec<usize> {
-    // The file keeps selected clips in source order under their labels; clips of one label are selected together.
-    let mut clips = Vec::new();
-    let mut labels = animation
-        .clips
-        .iter()
-        .enumerate()
-        .map(|(number, clip)| clip.label(number));
-    let mut number = 0;
-    for name in &model.meta.clip_names {
-        number += labels.by_ref().take_while(|label| label != name).count();
-        clips.push(number);
-        number += 1;
-    }
-    clips
-}
-
-struct Local64 {
-    translation: DVec3,
-    rotation: DQuat,
-    scale: DVec3,
-    matrix: Option<DAffine3>,
-}
-
-impl Local64 {
-    fn new(local: &Local) -> Self {
-        let mut out = Self {
-            translation: DVec3::ZERO,
-            rotation: DQuat::IDENTITY,
-            scale: DVec3::ONE,
-            matrix: None,
+impl BakedPart {
+    fn new(part: &Part, model: &ModelView, index: usize) -> Self {
+        let row = &model.parts[index];
+        let cache = (row.cache != NONE).then_some(row.cache as usize);
+        let is_node = |node: u32, source: usize| {
+            let row = model.nodes.get(node as usize);
+            row.is_some_and(|row| row.source_node as usize == source)
         };
-        match *local {
-            Local::Matrix(columns) => {
-                out.matrix = Some(DAffine3::from_cols_array_2d(
-                    &columns.map(|column| column.map(f64::from)),
-                ));
-            }
-            Local::Trs {
-                translation,
-                rotation,
-                scale,
-            } => {
-                out.translation = translation.map(f64::from).into();
-                out.rotation = DQuat::from_array(rotation.map(f64::from));
-                out.scale = scale.map(f64::from).into();
-            }
-        }
-        out
-    }
-
-    fn affine(&self) -> DAffine3 {
-        let trs = || {
-            DMat4::from_translation(self.translation)
-                * DMat4::from_quat(self.rotation.normalize())
-                * DMat4::from_scale(self.scale)
+        let bones = if let Some(cache) = cache.and_then(|cache| model.caches.get(cache)) {
+            vec![cache.bone]
+        } else if let Some(skin) = part.skin {
+            let of_skin = model.bones.iter().zip(0u32..);
+            let mut joints: Vec<(u32, u32)> = of_skin
+                .filter(|(bone, _)| bone.source_skin as usize == skin)
+                .map(|(bone, row)| (bone.source_joint, row))
+                .collect();
+            joints.sort_unstable();
+            joints.into_iter().map(|(_, bone)| bone).collect()
+        } else {
+            let own = model
+                .bones
+                .iter()
+                .position(|bone| bone.source_skin == NONE && is_node(bone.node, part.node));
+            vec![own.map_or(NONE, |bone| bone as u32)]
         };
-        self.matrix.unwrap_or_else(|| DAffine3::from_mat4(trs()))
-    }
-}
-
-/// A channel's value at a time.
-fn value(channel: &Channel, seconds: f64) -> Vec<f64> {
-    let per_key = channel.values.len() / channel.times.len();
-    let width = per_key / channel.interpolation.values_per_key() as usize;
-    let key = |key: usize, part: usize| -> Vec<f64> {
-        let begin = key * per_key
-            + if channel.interpolation == Interpolation::CubicSpline {
-                part * width
-            } else {
-                0
-            };
-        channel.values[begin..begin + width]
-            .iter()
-            .map(|x| f64::from(*x))
-            .collect()
-    };
-    let last = channel.times.len() - 1;
-    let next = channel
-        .times
-        .iter()
-        .position(|time| f64::from(*time) > seconds)
-        .unwrap_or(last + 1);
-    if next == 0 {
-        return key(0, 1);
-    }
-    if next > last || channel.interpolation == Interpolation::Step {
-        return key(next - 1, 1);
-    }
-    let (begin, end) = (f64::from(channel.times[next - 1]), f64::from(channel.times[next]));
-    let (step, s) = (end - begin, (seconds - begin) / (end - begin));
-    let (a, b) = (key(next - 1, 1), key(next, 1));
-    if channel.interpolation == Interpolation::Linear {
-        if channel.target == ChannelTarget::Rotation {
-            return slerp(&a, &b, s).to_vec();
+        let target_first = model.morph_sets.get(row.morph_set as usize);
+        Self {
+            frozen: row.class == MotionClass::Static as u32 && cache.is_none(),
+            bones,
+            target_first: target_first.map(|set| set.target_first as usize),
+            cache,
         }
-        return a.iter().zip(&b).map(|(a, b)| a + (b - a) * s).collect();
     }
-    let (out, into) = (key(next - 1, 2), key(next, 0));
-    let hermite = |k: usize| {
-        (2.0 * s.powi(3) - 3.0 * s.powi(2) + 1.0) * a[k]
-            + step * (s.powi(3) - 2.0 * s.powi(2) + s) * out[k]
-            + (3.0 * s.powi(2) - 2.0 * s.powi(3)) * b[k]
-            + step * (s.powi(3) - s.powi(2)) * into[k]
-    };
-    (0..width).map(hermite).collect()
 }
 
-fn slerp(a: &[f64], b: &[f64], s: f64) -> [f64; 4] {
-    let (a, mut b) = (DVec4::from_slice(a).normalize(), DVec4::from_slice(b).normalize());
-    if a.dot(b) < 0.0 {
-        b = -b;
+fn affine(columns: &[[f32; 3]; 4]) -> DAffine3 {
+    DAffine3::from_cols_array_2d(&columns.map(|column| column.map(f64::from)))
+}
+
+struct Bounds(DVec3, DVec3);
+
+impl Bounds {
+    const EMPTY: Self = Self(DVec3::INFINITY, DVec3::NEG_INFINITY);
+
+    fn add(&mut self, point: DVec3) {
+        *self = Self(self.0.min(point), self.1.max(point));
     }
-    // Exponential of a fraction of the logarithm, another way than the runtime's.
-    let across = b - a * a.dot(b);
-    let (sine, cosine) = (across.length(), a.dot(b));
-    if sine == 0.0 {
-        return a.to_array();
+
+    /// 0 of nothing.
+    fn diagonal(&self) -> f64 {
+        (self.1 - self.0).max(DVec3::ZERO).length()
     }
-    let angle = s * sine.atan2(cosine);
-    (a * angle.cos() + across / sine * angle.sin()).to_array()
 }

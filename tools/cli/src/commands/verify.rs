@@ -1,13 +1,13 @@
 use super::Context;
 use crate::{
     args::VerifyArgs, exit_code::ExitCode, failure::Failure, import_options::import_settings, input_file,
-    output::Answer, progress::StageSeconds, source_files,
+    output::Answer, progress::StageSeconds, source_files, table::Table,
 };
 use restpose_bake::{
     import::Animation,
-    verify::{VerifyReport, VerifySettings, verify},
+    verify::{PoseSource, VerifyReport, VerifySettings, verify},
 };
-use restpose_runtime::Asset;
+use restpose_runtime::{Asset, formats::Bounds};
 use serde::Serialize;
 use std::{path::Path, sync::Arc};
 
@@ -34,6 +34,7 @@ pub fn run(args: &VerifyArgs, context: &Context) -> Result<Answer, Failure> {
     let settings = VerifySettings {
         rays: args.rays,
         poses: args.poses,
+        pose_source: args.pose_source.map(PoseSource::from),
         seed: args.seed,
     };
     let verified = check(&asset, &source, &args.file, &settings, context)?;
@@ -72,8 +73,14 @@ pub fn check(
 /// What makes a verification fail: any hit that is missed or wrong.
 pub fn failure(verified: &VerifyReport, file: &Path) -> Option<Failure> {
     (verified.missed > 0 || verified.wrong > 0).then(|| {
+        let lossy = verified.bounds == Bounds::Sampled && verified.pose_source != PoseSource::Samples;
+        let reason = if lossy {
+            "; its boxes were bounded around samples and hold in no other pose: bake it with --bounds envelope"
+        } else {
+            ""
+        };
         let message = format!(
-            "{}: verification failed: {} hits missed, {} wrong",
+            "{}: verification failed: {} hits missed, {} wrong{reason}",
             file.display(),
             verified.missed,
             verified.wrong
@@ -83,13 +90,18 @@ pub fn failure(verified: &VerifyReport, file: &Path) -> Option<Failure> {
 }
 
 fn text(verified: &VerifyReport, cache_count: usize) -> String {
-    let poses = match cache_count {
-        0 => format!("{} of {} samples", verified.poses, verified.samples),
-        _ => format!("{}, vertex caches at keys and at random times between", verified.poses),
+    let bones = match verified.pose_source {
+        PoseSource::Samples => format!("samples of {}", verified.samples),
+        PoseSource::Clips => "clips at random times and keys".to_owned(),
+        PoseSource::Random => format!("random, of {} families", verified.families.len()),
     };
-    [
+    let caches = match cache_count {
+        0 => "",
+        _ => "; vertex caches at keys and at random times between",
+    };
+    let mut lines = vec![
         format!("rays              {}", verified.rays),
-        format!("poses             {poses}"),
+        format!("poses             {} ({bones}{caches})", verified.poses),
         format!("hits              {}", verified.hits),
         format!("missed            {}", verified.missed),
         format!("wrong             {}", verified.wrong),
@@ -97,6 +109,40 @@ fn text(verified: &VerifyReport, cache_count: usize) -> String {
             "max vertex error  {:.2e} of the model's size",
             verified.max_vertex_error
         ),
-    ]
-    .join("\n")
+    ];
+    if !verified.families.is_empty() {
+        lines.extend([String::new(), families(verified).to_string()]);
+    }
+    lines.join("\n")
+}
+
+fn families(verified: &VerifyReport) -> Table<8> {
+    let mut table = Table::new([
+        "family",
+        "poses",
+        "rays",
+        "hits",
+        "missed",
+        "wrong",
+        "clusters",
+        "without inverse",
+    ]);
+    for found in &verified.families {
+        let numbers = [
+            found.poses,
+            found.rays,
+            found.hits,
+            found.missed,
+            found.wrong,
+            found.clusters,
+            found.clusters_without_inverse,
+        ];
+        let mut row = std::array::from_fn(|_| found.family.name().to_owned());
+        row[1..]
+            .iter_mut()
+            .zip(numbers)
+            .for_each(|(cell, number)| *cell = number.to_string());
+        table.add(row);
+    }
+    table
 }

@@ -110,6 +110,7 @@ fn verify_prints_its_keys_and_the_failures() {
         folder.path(),
         &[
             sound,
+            &[sound, &["--pose-source", "random"]].concat(),
             &["verify", "bad.rpose", "door.gltf", "--rays", "5000"],
             &["verify", "bad_flag.rpose", "flag.obj", "flag.pc2", "--rays", "5000"],
         ],

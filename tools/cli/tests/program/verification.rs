@@ -2,6 +2,7 @@ use crate::{
     fixture::{baked_door, door, folder, outgrown_door, sample},
     run::restpose,
 };
+use serde_json::Value;
 use std::fs;
 
 #[test]
@@ -90,4 +91,122 @@ fn another_source_is_refused() {
     let run = restpose(folder.path(), ["verify", "door.rpose", "door.gltf"]);
     assert_eq!(run.code, 3, "{run:?}");
     assert!(run.stderr.contains("was not baked from this source"), "{run:?}");
+}
+
+/// The names and counts of the families, as JSON lists them.
+fn families(json: &Value) -> Vec<(&str, u64)> {
+    let families = json["families"].as_array().expect("a list");
+    families
+        .iter()
+        .map(|family| {
+            (
+                family["family"].as_str().expect("text"),
+                family["poses"].as_u64().expect("a count"),
+            )
+        })
+        .collect()
+}
+
+#[test]
+fn poses_come_from_samples_clips_or_nowhere() {
+    let folder = folder();
+    baked_door(folder.path());
+    let verify = |source: &[&str]| {
+        let arguments = [
+            "verify",
+            "door.rpose",
+            "door.gltf",
+            "--rays",
+            "2000",
+            "--poses",
+            "20",
+            "--json",
+        ];
+        restpose(folder.path(), arguments.iter().chain(source))
+            .succeeded()
+            .json()
+    };
+    for (arguments, source) in [
+        (&[][..], "samples"),
+        (&["--pose-source", "samples"], "samples"),
+        (&["--pose-source", "clips"], "clips"),
+    ] {
+        let json = verify(arguments);
+        assert_eq!((&json["pose_source"], &json["poses"]), (&source.into(), &20.into()));
+        assert_eq!(families(&json), []);
+    }
+    // The door is rigid: no pose is outside of what its boxes hold.
+    let json = verify(&["--pose-source", "random"]);
+    let found = families(&json);
+    assert_eq!(found.len(), 10, "all but the morphs: {found:?}");
+    assert!(
+        found.iter().all(|(name, poses)| *name != "morphs" && *poses == 2),
+        "{found:?}"
+    );
+    assert!(
+        json["max_vertex_error"].as_f64().is_some_and(|error| error < 1e-5),
+        "{json}"
+    );
+    assert_eq!(verify(&["--pose-source", "random"])["hits"], json["hits"]);
+    assert_ne!(
+        verify(&["--pose-source", "random", "--seed", "2"])["hits"],
+        json["hits"]
+    );
+
+    let run = restpose(
+        folder.path(),
+        [
+            "verify",
+            "door.rpose",
+            "door.gltf",
+            "--rays",
+            "500",
+            "--pose-source",
+            "random",
+        ],
+    );
+    let text = run.succeeded().stdout;
+    for words in ["(random, of 10 families)", "\nfamily ", "\nnear_singular "] {
+        assert!(text.contains(words), "{words:?}: {text}");
+    }
+}
+
+#[test]
+fn sampled_boxes_fail_in_other_poses_and_the_message_says_why() {
+    let folder = folder();
+    let source = sample("walker.glb");
+    let source = source.to_str().expect("text");
+    restpose(
+        folder.path(),
+        ["bake", source, "-o", "walker.rpose", "--bounds", "sampled"],
+    )
+    .succeeded();
+    let arguments = ["verify", "walker.rpose", source, "--rays", "6000", "--poses", "50"];
+    let run = restpose(
+        folder.path(),
+        arguments.iter().chain(&["--pose-source", "random", "--json"]),
+    );
+    assert_eq!(run.code, 7, "{run:?}");
+    let json = run.json();
+    assert_eq!((&json["passed"], &json["bounds"]), (&false.into(), &"sampled".into()));
+    let failure = &json["failures"][0];
+    assert!(failure["family"].is_string() && failure["pose"].is_u64(), "{failure}");
+    for key in ["sample", "clip", "seconds"] {
+        assert!(failure[key].is_null(), "{key}: {failure}");
+    }
+    assert!(run.stderr.contains("bounded around samples"), "{}", run.stderr);
+}
+
+#[test]
+fn unknown_pose_sources_are_refused() {
+    let folder = folder();
+    baked_door(folder.path());
+    let run = restpose(
+        folder.path(),
+        ["verify", "door.rpose", "door.gltf", "--pose-source", "dance"],
+    );
+    assert_eq!(run.code, 1, "{run:?}");
+    for word in ["samples", "clips", "random"] {
+        assert!(run.stderr.contains(word), "{word}: {run:?}");
+    }
 }
