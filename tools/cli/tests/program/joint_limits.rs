@@ -12,7 +12,7 @@ const BAD: [(&[u8], i32, &str); 13] = [
     (
         b"[joints.hip]\nw = [0, 1]\n",
         3,
-        "line 2, joints.hip: unknown field `w`, expected one of `x`, `y`, `z`",
+        "line 2, joints.hip.w: unknown field `w`, expected one of `x`, `y`, `z`",
     ),
     (
         b"[joints.hip]\nx = [0, 1, 2]\n",
