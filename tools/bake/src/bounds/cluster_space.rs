@@ -403,8 +403,12 @@ fn movers(model: &Model, poses: &Poses, bone: u32, vertices: &[u32]) -> Vec<Move
         .into_iter()
         .map(|(mover, mass)| {
             let center = mass.moment.map(|x| x / mass.weight);
+            let own = influences().filter(|(_, influence)| influence.bone == mover);
+            let spread = own.fold(0.0, |spread: f64, (position, _)| {
+                (0..3).fold(spread, |spread, k| spread.max((position[k] - center[k]).abs()))
+            });
             let row = LeverRow {
-                pivot: pivot(poses.sampled, bone as usize, mover as usize, center),
+                pivot: pivot(poses.sampled, bone as usize, mover as usize, center, spread),
                 lever: [0.0; 3],
                 weight: 0.0,
                 reserved: 0,
