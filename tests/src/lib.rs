@@ -2,8 +2,10 @@
 
 mod aimed_rays;
 pub mod cache_reference;
+mod cached_mesh;
 mod closed_surfaces;
 pub mod gltf_reference;
+pub mod inside;
 mod jointed_mesh;
 mod landmarks;
 mod random_animation;
@@ -12,6 +14,7 @@ mod scenes;
 mod stage;
 
 pub use aimed_rays::{Aim, AimedRays, ODD_COMPONENTS};
+pub use cached_mesh::cached_mesh;
 pub use closed_surfaces::{closed_surfaces, tube};
 pub use jointed_mesh::{MeshRecipe, jointed_mesh};
 pub use landmarks::{Landmarks, LocalPlanes};
