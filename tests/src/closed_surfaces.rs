@@ -30,6 +30,17 @@ pub fn tube() -> Surface {
     lathe(&profile, 10)
 }
 
+/// Four spheres along y, one between each two of four joints: of each triangle all vertices follow one joint where the
+/// mesh is stiff, so its boxes hold for any palette.
+#[must_use]
+pub fn beads() -> Surface {
+    let mut surface = Surface::default();
+    for y in [-0.375, -0.125, 0.125, 0.375] {
+        surface.append(&sphere(1).map(|p| p * 0.1).translated([0.0, y, 0.0].into()));
+    }
+    surface
+}
+
 /// A ring of `sides` tubes of `around` corners about y.
 fn torus(sides: u32, around: u32) -> Surface {
     let mut surface = Surface::default();

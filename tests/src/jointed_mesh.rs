@@ -12,7 +12,7 @@ pub struct MeshRecipe<'a> {
     pub surface: &'a Surface,
     /// Joints of a chain along y, each carried by the one before. Without any the part stands still.
     pub joints: usize,
-    /// Whether each vertex follows one joint alone: the part is then rigid per bone, and its boxes hold for any palette.
+    /// Whether each vertex follows the joint below it alone.
     pub stiff: bool,
     /// Unit of every length.
     pub scale: f64,
@@ -137,16 +137,14 @@ fn add_chain(
     animation.clips.push(clip);
 }
 
-/// The two joints beside a place along the chain, or the one that is nearer.
+/// The two joints beside a place along the chain, or only the lower one.
 fn influences(along: f64, recipe: &MeshRecipe) -> Vec<Influence> {
     let last = recipe.joints - 1;
     let lower = (along as usize).min(last);
     let upper = (lower + 1).min(last);
     let share = (along - lower as f64).clamp(0.0, 1.0) as f32;
     let one = |joint| vec![Influence { joint, weight: 1.0 }];
-    if recipe.stiff {
-        one(if share < 0.5 { lower } else { upper })
-    } else if lower == upper || share == 0.0 {
+    if recipe.stiff || lower == upper || share == 0.0 {
         one(lower)
     } else {
         vec![

@@ -15,7 +15,7 @@ mod stage;
 
 pub use aimed_rays::{Aim, AimedRays, ODD_COMPONENTS};
 pub use cached_mesh::cached_mesh;
-pub use closed_surfaces::{closed_surfaces, tube};
+pub use closed_surfaces::{beads, closed_surfaces, tube};
 pub use jointed_mesh::{MeshRecipe, jointed_mesh};
 pub use landmarks::{Landmarks, LocalPlanes};
 pub use random_animation::{Recipe, random_animation};
