@@ -29,7 +29,8 @@ const RAYS_PER_TASK: usize = 4_000;
 /// One ray in so many is compared with brute force as well.
 const COMPARED: usize = 50;
 
-/// Least distance of inner points from the surface, relative to its size: a million times what the shear moves.
+/// Least distance of inner points from the surface, relative to its size: thousands of times what the shear moves, as rays
+/// begin at most a few sizes away.
 const CLEARANCE: f64 = 1.0 / 64.0;
 
 fn solids() -> Vec<(String, Stage)> {
@@ -138,6 +139,7 @@ impl Targets {
         let outside = loop {
             let point: [f32; 3] = std::array::from_fn(|k| from[k] + factor * direction[k]);
             if !self.bounds.contains(point) {
+                // As boxes are convex, a quarter further is a quarter of the clearance away from this one.
                 break std::array::from_fn(|k| from[k] + 1.25 * factor * direction[k]);
             }
             factor *= 2.0;
