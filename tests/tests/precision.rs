@@ -4,6 +4,11 @@
 //! `f64` stands for exact numbers here: differences of the `f32` coordinates in question are exact in it, and what it
 //! rounds is 2²⁹ times less than what is measured.
 
+#![expect(
+    clippy::print_stdout,
+    reason = "what was measured is printed for whoever asks with --nocapture"
+)]
+
 use fastrand::Rng;
 use nalgebra::Vector3;
 use restpose_formats::geom::round::UNIT_ROUNDOFF;
@@ -81,7 +86,7 @@ fn measure(stage: &mut Stage, unit: f64, distance: f64, cosine: f64) -> (Errors,
     let normal = (b - a).cross(&(c - a)).normalize();
     let mut random = Rng::with_seed(81);
     let (mut worst, mut hits) = (Errors::default(), 0);
-    for _ in 0..RAYS {
+    for round in 0..RAYS {
         let (s, t) = (random.f64(), random.f64());
         let (s, t) = if s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
         let point = a + (b - a) * s + (c - a) * t;
@@ -90,6 +95,7 @@ fn measure(stage: &mut Stage, unit: f64, distance: f64, cosine: f64) -> (Errors,
         let beside = first * turn.cos() + normal.cross(&first) * turn.sin();
         let direction = -normal * cosine + beside * (1.0 - cosine * cosine).sqrt();
         let origin = point - direction * (distance * unit);
+        let direction = if round % 2 == 0 { direction } else { direction * unit };
         let ray = Ray::new(origin.map(|x| x as f32).into(), direction.map(|x| x as f32).into());
         let Some(hit) = frame.closest_hit(&ray) else { continue };
         assert_eq!(Some(hit), oracle.closest_hit(&ray));

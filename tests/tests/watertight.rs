@@ -11,6 +11,11 @@
 //! A hit cannot hide in triangles seen edge-on, which are never hit: rays beside it would have to hit others, and those
 //! are closed.
 
+#![expect(
+    clippy::print_stdout,
+    reason = "what was measured is printed for whoever asks with --nocapture"
+)]
+
 use fastrand::Rng;
 use rayon::prelude::*;
 use restpose_bake::verify::Oracle;
