@@ -1,11 +1,24 @@
 //! What the cross-crate tests share: where scenes are, and references to compare with.
 
+mod aimed_rays;
 pub mod cache_reference;
+mod cached_mesh;
+mod closed_surfaces;
 pub mod gltf_reference;
+pub mod inside;
+mod jointed_mesh;
+mod landmarks;
 mod random_animation;
 mod random_cache;
 mod scenes;
+mod stage;
 
+pub use aimed_rays::{Aim, AimedRays, ODD_COMPONENTS};
+pub use cached_mesh::cached_mesh;
+pub use closed_surfaces::{beads, closed_surfaces, tube};
+pub use jointed_mesh::{MeshRecipe, jointed_mesh};
+pub use landmarks::{Landmarks, LocalPlanes};
 pub use random_animation::{Recipe, random_animation};
 pub use random_cache::{CacheRecipe, Motion, random_cache};
-pub use scenes::{baked_asset, sample_scenes, source_scenes};
+pub use scenes::{baked_animation, baked_asset, sample_scenes, source_scenes};
+pub use stage::{Stage, assert_rays_equal, hit_bits};

@@ -56,3 +56,18 @@ pub fn baked_asset(path: &Path) -> (Animation, Arc<Asset>) {
     let asset = Asset::from_bytes(&bytes).unwrap_or_else(|error| panic!("{error}"));
     (animation, Arc::new(asset))
 }
+
+/// Bakes an animation with samples every quarter of a second and at its keys, through the bytes of its file.
+///
+/// # Panics
+/// When any of that fails.
+#[must_use]
+pub fn baked_animation(animation: &Animation) -> Arc<Asset> {
+    let settings = BakeSettings {
+        sample_step_seconds: 0.25,
+        ..BakeSettings::default()
+    };
+    let baked = bake(animation, &settings, &NoProgress).unwrap_or_else(|error| panic!("{error}"));
+    let bytes = restpose_formats::write(&baked.model).unwrap_or_else(|error| panic!("{error}"));
+    Arc::new(Asset::from_bytes(&bytes).unwrap_or_else(|error| panic!("{error}")))
+}
