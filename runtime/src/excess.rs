@@ -182,13 +182,16 @@ impl Motions {
         palette: &[Affine],
         morph_weights: &[f32],
     ) {
-        let own = &palette[cluster.bone as usize].columns.map(|column| column.map(f64::from));
+        let own = &palette[cluster.bone as usize]
+            .columns
+            .map(|column| column.map(f64::from));
         let morphed = displacement(morphs, |_, target| f64::from(morph_weights[target as usize].abs()));
         let inverse_norm = norm(inverse.as_flattened());
         let slack = 2.0 * inverse_error(inverse, own) + ROUNDING;
         self.motions.clear();
         self.rounding = 0.0;
-        let range = cluster.cluster_bone_first as usize..(cluster.cluster_bone_first + cluster.cluster_bone_count) as usize;
+        let range =
+            cluster.cluster_bone_first as usize..(cluster.cluster_bone_first + cluster.cluster_bone_count) as usize;
         for (row, lever) in model.cluster_bones[range.clone()].iter().zip(&model.levers[range]) {
             if row.bone == cluster.bone {
                 continue;
@@ -216,7 +219,9 @@ impl Motions {
             let intervals = space.morphs_of(envelope);
             displacement(space.morphs, |place, target| {
                 let (weight, interval) = (f64::from(morph_weights[target as usize]), &intervals[place]);
-                (f64::from(interval.min) - weight).max(weight - f64::from(interval.max)).max(0.0)
+                (f64::from(interval.min) - weight)
+                    .max(weight - f64::from(interval.max))
+                    .max(0.0)
             })
         };
         for k in 0..3 {
@@ -299,9 +304,8 @@ impl Motions {
             let mut excess = [0.0; 3];
             for ((motion, mixed), row) in self.motions.iter().zip(&mut self.mix).zip(rows) {
                 *mixed = mixed.towards(&Mixed::on_line(row, place), share);
-                let beyond: [f64; 12] = std::array::from_fn(|n| {
-                    ((motion.numbers[n] - mixed.center[n]).abs() - mixed.reach[n]).max(0.0)
-                });
+                let beyond: [f64; 12] =
+                    std::array::from_fn(|n| ((motion.numbers[n] - mixed.center[n]).abs() - mixed.reach[n]).max(0.0));
                 add_lengths(&mut excess, &beyond, &motion.levers);
             }
             if !(total(&excess) < total(&best)) {

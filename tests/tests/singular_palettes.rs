@@ -5,10 +5,6 @@ use restpose_samples::solids::sphere;
 use restpose_tests::{MeshRecipe, Stage, baked_animation, beads, jointed_mesh, tube};
 use std::sync::Arc;
 
-/// Whether boxes hold for palettes outside of the pose space too. While they do not, only parts without residual motion
-/// are given such palettes: their boxes hold for any.
-const OUTSIDE_OF_POSE_SPACE: bool = false;
-
 const RAYS: usize = 1_000;
 
 /// A map by its singular values: stretched along its own axes, which are turned against those of the space on both sides.
@@ -58,7 +54,7 @@ fn maps() -> Vec<(&'static str, Affine, bool)> {
     ]
 }
 
-/// Assets whose boxes hold for the palettes of this test, and whether these are without residual motion.
+/// Assets, and whether they are without residual motion.
 fn assets() -> Vec<(&'static str, Arc<Asset>, bool)> {
     let half = sphere(2).map(|p| p * 0.5);
     let (beads, tube) = (beads(), tube());
@@ -67,8 +63,7 @@ fn assets() -> Vec<(&'static str, Arc<Asset>, bool)> {
         ("sphere", &half, false),
         ("tube", &tube, false),
     ];
-    let of_use = all.into_iter().filter(|(.., stiff)| *stiff || OUTSIDE_OF_POSE_SPACE);
-    of_use
+    all.into_iter()
         .map(|(name, surface, stiff)| {
             let recipe = MeshRecipe {
                 stiff,

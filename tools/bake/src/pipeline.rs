@@ -68,7 +68,10 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
     let mut spaces = Vec::new();
     if settings.bounds == Bounds::Envelope {
         progress.stage("bound", carried.len() as u64);
-        let spans: Vec<_> = poses::spans(&model).into_par_iter().map(|span| (BoneSpans::new(&model, &span), span)).collect();
+        let spans: Vec<_> = poses::spans(&model)
+            .into_par_iter()
+            .map(|span| (BoneSpans::new(&model, &span), span))
+            .collect();
         let poses = Poses {
             spans: &spans,
             sampled: &sampled,

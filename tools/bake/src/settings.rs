@@ -29,7 +29,7 @@ pub struct BakeSettings {
     pub seed: u64,
     /// Greatest step between sampled poses of a clip, seconds, above zero. Default 1/60. Key times are sampled too.
     pub sample_step_seconds: f64,
-    /// How fuzzy boxes are bounded. Default: around the samples.
+    /// How fuzzy boxes are bounded. Default: by envelopes, so that no pose misses a hit.
     pub bounds: Bounds,
     /// Most envelopes of a cluster, 1 to 1024, where boxes are bounded by envelopes. Default 16.
     pub envelopes: usize,
@@ -72,7 +72,7 @@ impl Default for BakeSettings {
             pose_samples: None,
             seed: 1,
             sample_step_seconds: 1.0 / 60.0,
-            bounds: Bounds::Sampled,
+            bounds: Bounds::Envelope,
             envelopes: 16,
             class_overrides: Vec::new(),
             position_error: None,

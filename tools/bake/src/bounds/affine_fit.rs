@@ -48,7 +48,12 @@ pub(crate) fn fit(chords: &[&Chord], levers: &[f64]) -> Vec<BoneEnvelopeRow> {
     let square: f64 = axis.iter().map(|x| x * x).sum();
     let mut direction = vec![0.0; count];
     if square > 0.0 && square.is_finite() {
-        let place = |end: &[f64]| (0..count).map(|n| (end[n] - center[n]) * levers[n] * axis[n]).sum::<f64>() / square;
+        let place = |end: &[f64]| {
+            (0..count)
+                .map(|n| (end[n] - center[n]) * levers[n] * axis[n])
+                .sum::<f64>()
+                / square
+        };
         let (first, last) = ends().fold((f64::INFINITY, f64::NEG_INFINITY), |(first, last), end| {
             let place = place(end);
             (first.min(place), last.max(place))
@@ -68,7 +73,9 @@ fn rows_around(chords: &[&Chord], levers: &[f64], center: &[f64], direction: &[f
     let rounded = |x: &f64| f64::from(*x as f32);
     let center: Vec<f64> = center.iter().map(rounded).collect();
     let direction: Vec<f64> = direction.iter().map(rounded).collect();
-    let square: f64 = (0..count).map(|n| direction[n] * direction[n] * levers[n] * levers[n]).sum();
+    let square: f64 = (0..count)
+        .map(|n| direction[n] * direction[n] * levers[n] * levers[n])
+        .sum();
     let share: Vec<f64> = (0..count)
         .map(|n| {
             let share = direction[n] * levers[n] * levers[n] / square;
@@ -141,7 +148,9 @@ mod tests {
             end: vec![0.25; 12],
             stray: vec![0.0; 12],
         };
-        let [row] = fit(&[&chord], &[1.0; 12])[..] else { panic!("one bone") };
+        let [row] = fit(&[&chord], &[1.0; 12])[..] else {
+            panic!("one bone")
+        };
         assert_eq!((row.center, row.direction), ([0.25; 12], [0.0; 12]));
         assert!(row.reach.iter().all(|reach| *reach < 1e-12));
     }

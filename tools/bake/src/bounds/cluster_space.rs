@@ -9,7 +9,10 @@ use crate::{
 use bytemuck::Zeroable;
 use restpose_formats::{
     Model,
-    geom::{Aabb, round::{f32_above, f32_below}},
+    geom::{
+        Aabb,
+        round::{f32_above, f32_below},
+    },
     rows::{BoneEnvelopeRow, ClusterMorphRow, LeverRow, MorphEnvelopeRow, PoseSpaceRow},
 };
 use std::collections::BTreeMap;
@@ -71,7 +74,11 @@ impl ClusterSpace {
         // Random poses fill a volume, of which pieces would cover little: they are one envelope.
         let random: Vec<&Stretch> = random.iter().collect();
         // Where nothing moves against the cluster, every pose is in its one envelope.
-        let most = if out.movers.is_empty() && out.morphs.is_empty() { 1 } else { most };
+        let most = if out.movers.is_empty() && out.morphs.is_empty() {
+            1
+        } else {
+            most
+        };
         let for_clips = most.saturating_sub(usize::from(!random.is_empty())).max(1);
         let mut groups = out.groups(&of_clips, &levers, for_clips);
         if most == 1 && !groups.is_empty() {
@@ -133,13 +140,20 @@ impl ClusterSpace {
             let inverse = pose.inverses[self.bone as usize].as_ref()?;
             let mut chord = Chord::default();
             for mover in &self.movers {
-                let motion = in_palette(inverse, &pose.palette[self.bone as usize], &pose.palette[mover.bone as usize]);
+                let motion = in_palette(
+                    inverse,
+                    &pose.palette[self.bone as usize],
+                    &pose.palette[mover.bone as usize],
+                );
                 chord.begin.extend(about(&motion, mover.lever.pivot));
             }
             chord.end.clone_from(&chord.begin);
             chord.stray.resize(chord.begin.len(), 0.0);
             let weight = |row: &ClusterMorphRow| f64::from(pose.morph_weights[row.target as usize]);
-            Stretch::new(chord, self.morphs.iter().map(|row| (weight(row), weight(row))).collect())
+            Stretch::new(
+                chord,
+                self.morphs.iter().map(|row| (weight(row), weight(row))).collect(),
+            )
         };
         poses.sampled[poses.of_clips..].iter().filter_map(stretch).collect()
     }
@@ -235,7 +249,8 @@ impl ClusterSpace {
                 let mut bounds = FuzzyBox::EMPTY;
                 let mut error = 0.0;
                 for (envelope, forms) in self.envelopes.iter().zip(&forms) {
-                    let found = self.vertex_box(model, vertex as usize, &place_of_mover, &target_places, envelope, forms);
+                    let found =
+                        self.vertex_box(model, vertex as usize, &place_of_mover, &target_places, envelope, forms);
                     bounds = bounds.union(found.0);
                     error = f64::max(error, found.1);
                 }
@@ -244,7 +259,9 @@ impl ClusterSpace {
         };
         let of_triangle = |triangle: &u32| {
             let corners = model.triangles[*triangle as usize].corners.map(&mut box_of);
-            let bounds = corners.iter().fold(FuzzyBox::EMPTY, |bounds, corner| bounds.union(corner.0));
+            let bounds = corners
+                .iter()
+                .fold(FuzzyBox::EMPTY, |bounds, corner| bounds.union(corner.0));
             bounds.rounded_outwards(corners.iter().fold(0.0, |error, corner| error.max(corner.1)))
         };
         triangles.iter().map(of_triangle).collect()
@@ -334,8 +351,15 @@ impl ClusterSpace {
             reserved: [0; 3],
         });
         let rows = &model.cluster_bones[cluster.cluster_bone_first as usize..][..cluster.cluster_bone_count as usize];
-        let lever = |bone: u32| self.movers.iter().find(|mover| mover.bone == bone).map(|mover| mover.lever);
-        model.levers.extend(rows.iter().map(|row| lever(row.bone).unwrap_or_else(LeverRow::zeroed)));
+        let lever = |bone: u32| {
+            self.movers
+                .iter()
+                .find(|mover| mover.bone == bone)
+                .map(|mover| mover.lever)
+        };
+        model
+            .levers
+            .extend(rows.iter().map(|row| lever(row.bone).unwrap_or_else(LeverRow::zeroed)));
         model.cluster_morphs.extend_from_slice(&self.morphs);
         for envelope in &self.envelopes {
             model.bone_envelopes.extend_from_slice(&envelope.bones);
@@ -372,7 +396,9 @@ impl Stretch {
     fn new(chord: Chord, morphs: Vec<(f64, f64)>) -> Option<Self> {
         const LIMIT: f64 = f32::MAX as f64 / 8.0;
         let numbers = chord.begin.iter().chain(&chord.end).chain(&chord.stray);
-        let in_range = numbers.chain(morphs.iter().flat_map(|(min, max)| [min, max])).all(|x| x.abs() < LIMIT);
+        let in_range = numbers
+            .chain(morphs.iter().flat_map(|(min, max)| [min, max]))
+            .all(|x| x.abs() < LIMIT);
         in_range.then_some(Self { chord, morphs })
     }
 }
@@ -390,7 +416,9 @@ fn movers(model: &Model, poses: &Poses, bone: u32, vertices: &[u32]) -> Vec<Move
         vertices.iter().flat_map(|vertex| {
             let position = model.vertices[*vertex as usize].position_rest.map(f64::from);
             let influences = model.influences_of(*vertex as usize).iter();
-            influences.filter(|influence| influence.bone != bone).map(move |influence| (position, influence))
+            influences
+                .filter(|influence| influence.bone != bone)
+                .map(move |influence| (position, influence))
         })
     };
     for (position, influence) in influences() {
@@ -431,7 +459,10 @@ fn movers(model: &Model, poses: &Poses, bone: u32, vertices: &[u32]) -> Vec<Move
 /// The morph targets that displace these vertices, ascending, with the extent of their deltas.
 fn cluster_morphs(model: &Model, vertices: &[u32]) -> Vec<ClusterMorphRow> {
     let mut rows: BTreeMap<u32, ClusterMorphRow> = BTreeMap::new();
-    for delta in vertices.iter().flat_map(|vertex| model.morph_deltas_of(*vertex as usize)) {
+    for delta in vertices
+        .iter()
+        .flat_map(|vertex| model.morph_deltas_of(*vertex as usize))
+    {
         let row = rows.entry(delta.target).or_insert(ClusterMorphRow {
             target: delta.target,
             extent: [0.0; 3],

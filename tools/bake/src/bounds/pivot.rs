@@ -34,6 +34,10 @@ pub(super) fn pivot(poses: &[SampledPose], own: usize, mover: usize, center: [f6
     let trace = square.x_axis.x + square.y_axis.y + square.z_axis.z;
     let held = square + DMat3::from_diagonal(DVec3::splat(HOLD * trace));
     let away = -(held.inverse() * right);
-    let found = if away.length() <= FARTHEST * spread { center + away } else { center };
+    let found = if away.length() <= FARTHEST * spread {
+        center + away
+    } else {
+        center
+    };
     found.to_array().map(|x| x as f32)
 }

@@ -44,7 +44,10 @@ pub(crate) fn decompose(
     progress: &dyn Progress,
 ) -> Vec<Carried> {
     let count = poses.len().min(CHOICE_POSES);
-    let choice = Tracks::new(model, (0..count).map(|place| &poses[place * poses.len() / count]).collect());
+    let choice = Tracks::new(
+        model,
+        (0..count).map(|place| &poses[place * poses.len() / count]).collect(),
+    );
     let all = (bounds == Bounds::Sampled).then(|| Tracks::new(model, poses.iter().collect()));
     let usable: Vec<usize> = (0..model.bones.len())
         .map(|bone| poses.iter().filter(|pose| pose.inverses[bone].is_some()).count())
@@ -209,7 +212,10 @@ impl Search<'_> {
                 }
             }
             // Where no bone is usable in any sample the tree serves no pose; any box keeps it well-formed.
-            let fallback = (bones.first().copied().unwrap_or(ROOT_BONE), rest_box(self.model, triangle));
+            let fallback = (
+                bones.first().copied().unwrap_or(ROOT_BONE),
+                rest_box(self.model, triangle),
+            );
             let (bone, fuzzy_box) = match best {
                 Some((_, bone, fuzzy)) if !fuzzy.is_empty() => {
                     (bone, fuzzy.rounded_outwards(self.choice.frames[bone as usize].error))

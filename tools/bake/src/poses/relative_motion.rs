@@ -53,7 +53,10 @@ impl BoneSpans {
                 parent => {
                     let (world, from_world) = &worlds[parent as usize];
                     let inverse = inverse.zip(from_world.as_ref());
-                    (world.after(&local), inverse.map(|(inverse, from_world)| inverse.after(from_world)))
+                    (
+                        world.after(&local),
+                        inverse.map(|(inverse, from_world)| inverse.after(from_world)),
+                    )
                 }
             });
         }
@@ -67,7 +70,10 @@ impl BoneSpans {
                 node => {
                     let (world, from_world) = &worlds[node as usize];
                     let inverse = unbind.zip(from_world.as_ref());
-                    (world.after(&bind), inverse.map(|(unbind, from_world)| unbind.after(from_world)))
+                    (
+                        world.after(&bind),
+                        inverse.map(|(unbind, from_world)| unbind.after(from_world)),
+                    )
                 }
             };
             let size = map.magnitude();
@@ -143,7 +149,9 @@ impl Way {
             };
             map = outer.after(&inner.after(&map));
         }
-        map = shift(pivot.map(|x| -x)).after(&SpanMap::constant(self.leave)).after(&map);
+        map = shift(pivot.map(|x| -x))
+            .after(&SpanMap::constant(self.leave))
+            .after(&map);
         let Some(rounding) = self.rounding(bones, pivot) else {
             return false;
         };
@@ -228,8 +236,13 @@ mod tests {
             let view = model.view();
             let mut pairs: Vec<(u32, u32)> = Vec::new();
             for cluster in model.clusters.iter().filter(|cluster| cluster.track == NONE) {
-                let rows = &model.cluster_bones[cluster.cluster_bone_first as usize..][..cluster.cluster_bone_count as usize];
-                pairs.extend(rows.iter().filter(|row| row.bone != cluster.bone).map(|row| (cluster.bone, row.bone)));
+                let rows =
+                    &model.cluster_bones[cluster.cluster_bone_first as usize..][..cluster.cluster_bone_count as usize];
+                pairs.extend(
+                    rows.iter()
+                        .filter(|row| row.bone != cluster.bone)
+                        .map(|row| (cluster.bone, row.bone)),
+                );
             }
             let ways: Vec<Way> = pairs
                 .iter()
@@ -245,7 +258,11 @@ mod tests {
                     if f64::from(seconds) < begin || f64::from(seconds) > end {
                         continue;
                     }
-                    let s = if end > begin { (f64::from(seconds) - begin) / (end - begin) } else { 0.0 };
+                    let s = if end > begin {
+                        (f64::from(seconds) - begin) / (end - begin)
+                    } else {
+                        0.0
+                    };
                     evaluator.evaluate(&view, clip, seconds, &mut pose);
                     for ((own, other), way) in pairs.iter().zip(&ways) {
                         let [own, other] = [own, other].map(|bone| &pose.palette[*bone as usize]);

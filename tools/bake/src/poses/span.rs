@@ -97,8 +97,8 @@ impl NodeSpan {
         } else {
             let [x, y, z] = self.scale;
             let scale = SpanMap::scale([x.inverted()?, y.inverted()?, z.inverted()?]);
-            let [begin, end] = [self.rotation.begin, self.rotation.end]
-                .map(|q| DMat3::from_quat(q).transpose().to_cols_array_2d());
+            let [begin, end] =
+                [self.rotation.begin, self.rotation.end].map(|q| DMat3::from_quat(q).transpose().to_cols_array_2d());
             let rotation = SpanMap::rotation(begin, end, self.rotation.speed, self.rotation.acceleration);
             scale.after(&rotation)
         };
@@ -172,7 +172,9 @@ impl<'a> Piece<'a> {
         let (width, keys) = (channel.width as usize, channel.key_count as usize);
         let times = &model.key_times[channel.time_first as usize..][..keys];
         let count = keys * width * interpolation.values_per_key() as usize;
-        let key = times.partition_point(|time| f64::from(*time) <= begin).saturating_sub(1);
+        let key = times
+            .partition_point(|time| f64::from(*time) <= begin)
+            .saturating_sub(1);
         let mut piece = Self {
             values: &model.key_values[channel.value_first as usize..][..count],
             width,
@@ -248,8 +250,8 @@ impl<'a> Piece<'a> {
         let numbers: [SpanNumber; 4] = std::array::from_fn(|k| self.number(k));
         let length = |of: fn(&SpanNumber) -> f64| numbers.iter().map(|n| of(n) * of(n)).sum::<f64>().sqrt();
         let (rate, curvature) = (length(|n| n.rate), length(|n| n.curvature));
-        let [begin, end] = [|n: &SpanNumber| n.begin, |n: &SpanNumber| n.end]
-            .map(|of| DVec4::from_array(numbers.each_ref().map(of)));
+        let [begin, end] =
+            [|n: &SpanNumber| n.begin, |n: &SpanNumber| n.end].map(|of| DVec4::from_array(numbers.each_ref().map(of)));
         // The cubic keeps at least this far from zero: the nearest point of the straight way, less what it bends.
         let nearest = nearest_to_zero(begin, end) - 0.125 * curvature;
         // n = q/|q| moves at |n′| ≤ |q′|/|q| and bends by |n″| ≤ |q″|/|q| + 2|q′|²/|q|²; a rotation turns twice as fast.
@@ -338,7 +340,11 @@ pub(crate) fn spans_with_times(model: &Model) -> Vec<(Span, Option<usize>, [f64;
     for (place, sample) in model.samples.iter().enumerate() {
         let next = model.samples.get(place + 1);
         if sample.clip != NONE && next.is_none_or(|next| next.clip != sample.clip) {
-            stretches.push((sample.clip as usize, f64::from(sample.seconds), f64::from(sample.seconds)));
+            stretches.push((
+                sample.clip as usize,
+                f64::from(sample.seconds),
+                f64::from(sample.seconds),
+            ));
         }
     }
     let turns: Vec<f64> = stretches
@@ -353,7 +359,13 @@ pub(crate) fn spans_with_times(model: &Model) -> Vec<(Span, Option<usize>, [f64;
     let mut out = vec![(Span::at_rest(model), None, [0.0; 2])];
     for ((clip, begin, end), turn) in stretches.into_iter().zip(turns) {
         let count = if out.len() < MOST_SPANS { cuts(turn, step) } else { 1 };
-        let time = |cut: usize| if cut == count { end } else { begin + (end - begin) * cut as f64 / count as f64 };
+        let time = |cut: usize| {
+            if cut == count {
+                end
+            } else {
+                begin + (end - begin) * cut as f64 / count as f64
+            }
+        };
         out.extend((0..count).map(|cut| {
             let ends = [time(cut), time(cut + 1)];
             (Span::of_clip(model, clip, ends[0], ends[1]), Some(clip), ends)

@@ -194,7 +194,8 @@ mod tests {
             let rotation = SpanMap::rotation(turned(0.0), turned(1.0), angle.abs(), 0.0);
             let back = glam::DMat3::from_axis_angle(axis, angle).transpose().to_cols_array_2d();
             let unturned = SpanMap::rotation(turned(0.0), back, angle.abs(), 0.0);
-            let forward = SpanMap::translation([along(0), along(1), along(2)]).after(&rotation.after(&SpanMap::scale([size; 3])));
+            let forward =
+                SpanMap::translation([along(0), along(1), along(2)]).after(&rotation.after(&SpanMap::scale([size; 3])));
             let inverse = SpanMap::scale([size.inverted().unwrap(); 3])
                 .after(&unturned)
                 .after(&SpanMap::translation([0, 1, 2].map(|k| along(k).negated())));
@@ -208,7 +209,11 @@ mod tests {
                     let chord = (1.0 - s) * chain.begin[n] + s * chain.end[n];
                     // Twelve digits: products of a dozen numbers of size one in f64.
                     let bound = 0.5 * s * (1.0 - s) * chain.curvature[n] + 1e-12;
-                    assert!((exact[n] - chord).abs() <= bound, "{n} at {s}: {} {chord} {bound}", exact[n]);
+                    assert!(
+                        (exact[n] - chord).abs() <= bound,
+                        "{n} at {s}: {} {chord} {bound}",
+                        exact[n]
+                    );
                 }
             }
         }

@@ -33,9 +33,9 @@ pub struct PoseArgs {
     #[arg(long, value_name = "SECONDS", value_parser = |text: &str| values::number_in(text, 0.0, 10.0))]
     pub sample_step: Option<f64>,
     /// How the boxes of bones and morph weights are bounded; those of vertex caches hold at any time between keys
-    #[arg(long, value_enum, default_value_t = BoundsKind::Sampled)]
+    #[arg(long, value_enum, default_value_t = BoundsKind::Envelope)]
     pub bounds: BoundsKind,
-    /// For --bounds envelope: most envelopes of a cluster, 1 to 1024 [default: 16]
+    /// Most envelopes of a cluster, 1 to 1024 [default: 16]
     #[arg(long, value_name = "N", value_parser = |text: &str| values::count(text, 1024))]
     pub envelopes: Option<usize>,
 }

@@ -55,6 +55,7 @@ struct Cluster {
     nodes: u32,
     references: u32,
     influencing_bones: u32,
+    envelopes: u32,
 }
 
 #[derive(Serialize)]
@@ -72,6 +73,7 @@ struct Counts {
     track_keys: usize,
     kd_nodes: usize,
     references: usize,
+    envelopes: u64,
 }
 
 /// Shows what a file holds.
@@ -102,7 +104,7 @@ fn report(file: String, file_bytes: u64, model: &ModelView<'_>) -> Report {
         end_seconds: clip.end_seconds,
         channels: clip.channel_count,
     });
-    let clusters = model.clusters.iter().map(|cluster| Cluster {
+    let clusters = model.clusters.iter().enumerate().map(|(row, cluster)| Cluster {
         bone: cluster.bone,
         bone_name: name(&meta.bone_names, cluster.bone as usize),
         track: Some(cluster.track).filter(|track| *track != NONE),
@@ -110,6 +112,7 @@ fn report(file: String, file_bytes: u64, model: &ModelView<'_>) -> Report {
         nodes: cluster.node_count,
         references: cluster.reference_count,
         influencing_bones: cluster.cluster_bone_count,
+        envelopes: model.pose_spaces.get(row).map_or(0, |space| space.envelope_count),
     });
     Report {
         file,
@@ -139,6 +142,11 @@ fn report(file: String, file_bytes: u64, model: &ModelView<'_>) -> Report {
             track_keys: model.keys.len(),
             kd_nodes: model.kd_nodes.len(),
             references: model.references.len(),
+            envelopes: model
+                .pose_spaces
+                .iter()
+                .map(|space| u64::from(space.envelope_count))
+                .sum(),
         },
     }
 }
@@ -178,11 +186,15 @@ fn text(report: &Report) -> String {
             counts.kd_nodes,
             counts.references
         ),
-        match report.caches.len() {
-            0 => format!("poses     {} sampled; boxes hold for these only", counts.samples),
-            _ => format!(
+        match (report.bounds, report.caches.len()) {
+            (Bounds::Sampled, 0) => format!("poses     {} sampled; boxes hold for these only", counts.samples),
+            (Bounds::Sampled, _) => format!(
                 "poses     {} sampled; boxes hold for the bones of these, and for vertex caches at any time",
                 counts.samples
+            ),
+            (Bounds::Envelope, _) => format!(
+                "poses     {} sampled, in {} envelopes of clusters; boxes hold for everything in between, and widen outside",
+                counts.samples, counts.envelopes
             ),
         },
     ];
@@ -241,6 +253,7 @@ fn text(report: &Report) -> String {
         "nodes",
         "references",
         "influences",
+        "envelopes",
     ]);
     for cluster in &report.clusters {
         clusters.add([
@@ -252,6 +265,7 @@ fn text(report: &Report) -> String {
             cluster.nodes.to_string(),
             cluster.references.to_string(),
             cluster.influencing_bones.to_string(),
+            cluster.envelopes.to_string(),
         ]);
     }
     let tables = [

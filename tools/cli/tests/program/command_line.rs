@@ -40,7 +40,7 @@ const USAGE: [Case; 33] = [
     (
         &["bake", "door.gltf", "-o", "new.rpose", "--bounds", "none"],
         1,
-        "possible values: sampled",
+        "possible values: sampled, envelope",
     ),
     (
         &["bake", "door.gltf", "-o", "new.rpose", "--frames=5"],
