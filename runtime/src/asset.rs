@@ -2,7 +2,7 @@
 
 use crate::{
     OpenError, cache::CACHE_ROUNDINGS, cluster_frame::vertex_error as vertex_error_of, map::StoredModel,
-    vertex::rounding_count,
+    pose_space::PoseSpaces, vertex::rounding_count,
 };
 use restpose_formats::{FormatError, ModelView, rows::box_steps};
 use std::{io, path::Path};
@@ -14,6 +14,7 @@ pub struct Asset {
     cache_vertex_error: f64,
     /// Per cluster row: steps of the lattice of its triangles' boxes.
     box_steps: Vec<[f32; 3]>,
+    pose_spaces: PoseSpaces,
 }
 
 impl Asset {
@@ -64,6 +65,7 @@ impl Asset {
     fn new(model: StoredModel) -> Self {
         let vertex_error = vertex_error_of(rounding_count(model.view()));
         let cache_vertex_error = vertex_error_of(CACHE_ROUNDINGS);
+        let pose_spaces = PoseSpaces::new(model.view());
         let clusters = model.view().clusters.iter();
         let box_steps = clusters.map(|cluster| box_steps(&cluster.bounds_local)).collect();
         Self {
@@ -71,6 +73,7 @@ impl Asset {
             vertex_error,
             cache_vertex_error,
             box_steps,
+            pose_spaces,
         }
     }
 
@@ -101,6 +104,11 @@ impl Asset {
     /// The same for a vertex of a cache.
     pub(crate) fn cache_vertex_error(&self) -> f64 {
         self.cache_vertex_error
+    }
+
+    /// What poses of its clusters are measured against.
+    pub(crate) fn pose_spaces(&self) -> &PoseSpaces {
+        &self.pose_spaces
     }
 
     /// Steps of the lattice on which the boxes of a cluster's triangles are.

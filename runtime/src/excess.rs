@@ -33,16 +33,16 @@
 //! Based on: Günther, *Ray Tracing of Dynamic Scenes*, §3.6, which wishes for boxes found analytically or by affine
 //! arithmetic. Differs from §3.4.2, whose boxes hold for sampled poses only.
 
+use crate::pose_space::{Envelope, Mover, PoseSpace};
 use restpose_formats::{
-    ModelView,
     geom::Affine,
-    rows::{BoneEnvelopeRow, ClusterMorphRow, ClusterRow, LeverRow, MorphEnvelopeRow, PoseSpaceRow},
+    rows::{BoneEnvelopeRow, ClusterMorphRow},
 };
 
 /// 2⁻⁴⁸: bounds the `f64` roundings of a relative motion, under 32 of 2⁻⁵³, relative to the magnitudes that enter it.
 const ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
 
-/// Relative slack for the sum that is the excess itself: a few hundred roundings of 2⁻⁵³.
+/// Relative slack for the sum that is the excess itself: a few hundred roundings of 2⁻⁵³, and two of each lever.
 const SUM_SLACK: f64 = 1.0 / (1u64 << 44) as f64;
 
 /// Envelopes that a mix is made of, at most. On blends of two clips a second one takes off most of the excess.
@@ -65,13 +65,32 @@ impl Excess {
     };
 }
 
-/// The rows that describe one cluster's pose space.
+/// A bone's map in `f64`, with its norms.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BoneMap {
+    columns: [[f64; 3]; 4],
+    linear: f64,
+    translation: f64,
+}
+
+impl BoneMap {
+    pub(crate) fn new(map: &Affine) -> Self {
+        let columns = map.columns.map(|column| column.map(f64::from));
+        Self {
+            columns,
+            linear: norm(columns[..3].as_flattened()),
+            translation: norm(&columns[3]),
+        }
+    }
+}
+
+/// A pose as it is measured.
 #[derive(Clone, Copy)]
-struct Space<'a> {
-    row: &'a PoseSpaceRow,
-    morphs: &'a [ClusterMorphRow],
-    bone_envelopes: &'a [BoneEnvelopeRow],
-    morph_envelopes: &'a [MorphEnvelopeRow],
+pub(crate) struct MeasuredPose<'a> {
+    /// Per bone row, without the instance transform.
+    pub bones: &'a [BoneMap],
+    /// Per morph target row.
+    pub morph_weights: &'a [f32],
 }
 
 /// A bone that moves against the cluster in this pose.
@@ -81,8 +100,14 @@ struct Motion {
     numbers: [f64; 12],
     /// Length per unit of each number: by how much it displaces a vertex, at most.
     levers: [f64; 12],
-    /// Squares of the levers without morphs, as the baker weighed the numbers when it laid the envelopes' lines.
-    weights: [f64; 12],
+}
+
+/// Motions of one bone that a mix of envelopes is sure to hold: those within `reach` of `center`.
+#[derive(Clone, Copy, Debug)]
+struct Mixed {
+    center: [f64; 12],
+    /// Less what the center is rounded by; below zero where that is more.
+    reach: [f64; 12],
 }
 
 /// The relative motions of a cluster's bones in a pose, and what is known of their rounding. Scratch: keep one and reuse it.
@@ -94,166 +119,115 @@ pub(crate) struct Motions {
     mix: Vec<Mixed>,
 }
 
-/// Motions of one bone that a mix of envelopes is sure to hold: those within `reach` of `center`.
-#[derive(Clone, Copy, Debug)]
-struct Mixed {
-    center: [f64; 12],
-    /// Less what the center is rounded by; below zero where that is more.
-    reach: [f64; 12],
-}
-
-/// Measures the pose against the pose space of cluster row `cluster`.
-///
-/// `inverse` is what [`invert_frame`](crate::invert_frame) made of the palette's map of the cluster's bone. `nearest`
-/// is an envelope to try first and becomes the one that is nearest; what it was changes nothing of the result.
-///
-/// Complexity: as many comparisons as bones times twelve where the first envelope holds the pose, else times envelopes.
-pub(crate) fn measure(
-    model: &ModelView,
-    cluster: usize,
-    inverse: &[[f64; 3]; 3],
-    palette: &[Affine],
-    morph_weights: &[f32],
-    nearest: &mut u32,
-    motions: &mut Motions,
-) -> Excess {
-    let Some(row) = model.pose_spaces.get(cluster) else {
-        return Excess::NONE;
-    };
-    let cluster = &model.clusters[cluster];
-    let morphs = &model.cluster_morphs[row.morph_first as usize..][..row.morph_count as usize];
-    motions.update(model, cluster, morphs, inverse, palette, morph_weights);
-    let bones = motions.motions.len();
-    let envelopes = row.envelope_count as usize;
-    let space = Space {
-        row,
-        morphs,
-        bone_envelopes: &model.bone_envelopes[row.bone_envelope_first as usize..][..envelopes * bones],
-        morph_envelopes: &model.morph_envelopes[row.morph_envelope_first as usize..][..envelopes * morphs.len()],
-    };
-    let mut found = motions.nearest_envelope(&space, morph_weights, nearest);
-    if motions.is_outside(&found) && morphs.is_empty() && envelopes > 1 {
-        found = motions.mix_from(&space, *nearest as usize, found);
-    }
-    Excess {
-        local: found.map(|x| (x + motions.rounding) * (1.0 + SUM_SLACK)),
-        // A NaN is outside of everything.
-        is_outside: motions.is_outside(&found),
-    }
-}
-
-impl Space<'_> {
-    fn bones_of(&self, envelope: usize, bones: usize) -> &[BoneEnvelopeRow] {
-        &self.bone_envelopes[envelope * bones..][..bones]
-    }
-
-    fn morphs_of(&self, envelope: usize) -> &[MorphEnvelopeRow] {
-        &self.morph_envelopes[envelope * self.morphs.len()..][..self.morphs.len()]
-    }
-}
-
-/// `Σ` over a cluster's targets of `weight·extent`, per axis.
-fn displacement(morphs: &[ClusterMorphRow], weight: impl Fn(usize, u32) -> f64) -> [f64; 3] {
-    let mut out = [0.0; 3];
-    for (place, row) in morphs.iter().enumerate() {
-        let weight = weight(place, row.target);
-        for k in 0..3 {
-            out[k] += weight * f64::from(row.extent[k]);
+impl Motions {
+    /// Measures a pose against the pose space of a cluster of bone row `own`.
+    ///
+    /// `inverse` is what [`invert_frame`](crate::invert_frame) made of the palette's map of that bone. `nearest` is an
+    /// envelope to try first and becomes the one that is nearest; what it was changes nothing of the result.
+    ///
+    /// Complexity: twelve comparisons per bone where the first envelope holds the pose, else as many per envelope.
+    pub(crate) fn measure(
+        &mut self,
+        space: &PoseSpace,
+        own: usize,
+        inverse: &[[f64; 3]; 3],
+        pose: MeasuredPose,
+        nearest: &mut u32,
+    ) -> Excess {
+        self.update(space, own, inverse, pose);
+        let mut found = self.nearest_envelope(space, pose.morph_weights, nearest);
+        if self.is_outside(&found) && space.morphs.is_empty() && space.envelope_count > 1 {
+            found = self.mix_from(space, *nearest, found);
+        }
+        Excess {
+            local: found.map(|x| (x + self.rounding) * (1.0 + SUM_SLACK)),
+            // A NaN is outside of everything.
+            is_outside: self.is_outside(&found),
         }
     }
-    out
-}
 
-fn total(excess: &[f64; 3]) -> f64 {
-    excess[0] + excess[1] + excess[2]
-}
-
-impl Motions {
     fn is_outside(&self, excess: &[f64; 3]) -> bool {
         !excess.iter().all(|x| *x <= self.rounding)
     }
 
-    fn update(
-        &mut self,
-        model: &ModelView,
-        cluster: &ClusterRow,
-        morphs: &[ClusterMorphRow],
-        inverse: &[[f64; 3]; 3],
-        palette: &[Affine],
-        morph_weights: &[f32],
-    ) {
-        let own = &palette[cluster.bone as usize]
-            .columns
-            .map(|column| column.map(f64::from));
-        let morphed = displacement(morphs, |_, target| f64::from(morph_weights[target as usize].abs()));
+    fn update(&mut self, space: &PoseSpace, own: usize, inverse: &[[f64; 3]; 3], pose: MeasuredPose) {
+        let own = &pose.bones[own];
+        let morphed = displacement(space.morphs, |_, target| {
+            f64::from(pose.morph_weights[target as usize].abs())
+        });
         let inverse_norm = norm(inverse.as_flattened());
-        let slack = 2.0 * inverse_error(inverse, own) + ROUNDING;
+        let slack = 2.0 * inverse_error(inverse, &own.columns) + ROUNDING;
         self.motions.clear();
         self.rounding = 0.0;
-        let range =
-            cluster.cluster_bone_first as usize..(cluster.cluster_bone_first + cluster.cluster_bone_count) as usize;
-        for (row, lever) in model.cluster_bones[range.clone()].iter().zip(&model.levers[range]) {
-            if row.bone == cluster.bone {
-                continue;
-            }
-            let x = &palette[row.bone as usize].columns.map(|column| column.map(f64::from));
-            let motion = Motion::new(inverse, own, x, lever, morphed);
-            let linear = inverse_norm * norm(x[..3].as_flattened()) + 1.0;
-            let offset = inverse_norm * (norm(&x[3]) + norm(&own[3]));
-            let levers: f64 = (0..3).map(|j| motion.levers[3 * j]).sum();
-            let pivot: f64 = lever.pivot.iter().map(|k| f64::from(k.abs())).sum();
-            let weight = f64::from(lever.weight);
-            self.rounding += slack * (linear * (levers + weight * pivot) + weight * offset);
+        for mover in space.movers {
+            let bone = &pose.bones[mover.bone];
+            let motion = Motion::new(inverse, &own.columns, &bone.columns, mover, morphed);
+            let linear = inverse_norm * bone.linear + 1.0;
+            let offset = inverse_norm * (bone.translation + own.translation);
+            let levers = motion.levers[0] + motion.levers[3] + motion.levers[6];
+            let pivot = mover.pivot[0].abs() + mover.pivot[1].abs() + mover.pivot[2].abs();
+            self.rounding += slack * (linear * (levers + mover.weight * pivot) + mover.weight * offset);
             self.motions.push(motion);
         }
     }
 
     /// By how much the pose leaves one envelope, per local axis.
-    fn excess_of(&self, space: &Space, envelope: usize, morph_weights: &[f32]) -> [f64; 3] {
-        let mut out = [0.0; 3];
-        let bones = space.bones_of(envelope, self.motions.len());
-        let place = place_on_line(&self.motions, bones);
-        let beyond = if space.morphs.is_empty() {
-            [0.0; 3]
-        } else {
-            let intervals = space.morphs_of(envelope);
-            displacement(space.morphs, |place, target| {
-                let (weight, interval) = (f64::from(morph_weights[target as usize]), &intervals[place]);
-                (f64::from(interval.min) - weight)
-                    .max(weight - f64::from(interval.max))
-                    .max(0.0)
-            })
-        };
-        for k in 0..3 {
-            out[k] = beyond[k];
+    fn excess_of(&self, space: &PoseSpace, envelope: &Envelope, morph_weights: &[f32]) -> [f64; 3] {
+        let place = self.place_on_line(space, envelope);
+        let mut lengths = [0.0; 12];
+        for (motion, row) in self.motions.iter().zip(envelope.bones) {
+            let excess = beyond(motion, row, place);
+            for n in 0..12 {
+                lengths[n] += excess[n] * motion.levers[n];
+            }
         }
-        let morphs = beyond != [0.0; 3];
-        for (motion, row) in self.motions.iter().zip(bones) {
-            let excess: [f64; 12] = std::array::from_fn(|n| {
-                let nearest = f64::from(row.center[n]) + place * f64::from(row.direction[n]);
-                ((motion.numbers[n] - nearest).abs() - f64::from(row.reach[n])).max(0.0)
-            });
-            add_lengths(&mut out, &excess, &motion.levers);
-            if morphs {
-                let weight = motion.levers[9];
-                for j in 0..3 {
-                    for k in 0..3 {
-                        out[k] += weight * (motion.numbers[3 * j + k].abs() + excess[3 * j + k]) * beyond[j];
-                    }
+        let mut out = per_axis(&lengths);
+        if space.morphs.is_empty() {
+            return out;
+        }
+        let morphed = displacement(space.morphs, |place, target| {
+            let (weight, interval) = (f64::from(morph_weights[target as usize]), &envelope.morphs[place]);
+            (f64::from(interval.min) - weight)
+                .max(weight - f64::from(interval.max))
+                .max(0.0)
+        });
+        for k in 0..3 {
+            out[k] += morphed[k];
+        }
+        if morphed != [0.0; 3] {
+            for ((motion, row), mover) in self.motions.iter().zip(envelope.bones).zip(space.movers) {
+                let excess = beyond(motion, row, place);
+                for n in 0..9 {
+                    out[n % 3] += mover.weight * (motion.numbers[n].abs() + excess[n]) * morphed[n / 3];
                 }
             }
         }
         out
     }
 
+    /// Where on the line of an envelope the pose's motions are nearest: α, weighed by levers. Any α in [−1, 1] gives a
+    /// bound; this one is what the baker made the reach for.
+    #[inline]
+    fn place_on_line(&self, space: &PoseSpace, envelope: &Envelope) -> f64 {
+        let mut along = [0.0; 12];
+        for ((motion, row), mover) in self.motions.iter().zip(envelope.bones).zip(space.movers) {
+            for n in 0..12 {
+                let direction = f64::from(row.direction[n]) * mover.squares[n];
+                along[n] += direction * (motion.numbers[n] - f64::from(row.center[n]));
+            }
+        }
+        let place = along.iter().sum::<f64>() * envelope.per_length;
+        if place.is_nan() { 0.0 } else { place.clamp(-1.0, 1.0) }
+    }
+
     /// The least excess over all envelopes. `nearest` is tried first, and in the end is where it was found.
-    fn nearest_envelope(&self, space: &Space, morph_weights: &[f32], nearest: &mut u32) -> [f64; 3] {
-        let count = space.row.envelope_count;
+    fn nearest_envelope(&self, space: &PoseSpace, morph_weights: &[f32], nearest: &mut u32) -> [f64; 3] {
+        let count = space.envelope_count;
         let first = if *nearest < count { *nearest } else { 0 };
-        let mut best = (self.excess_of(space, first as usize, morph_weights), first);
-        if total(&best.0) > 0.0 || best.0.iter().any(|x| x.is_nan()) {
-            for envelope in 0..count {
-                let excess = self.excess_of(space, envelope as usize, morph_weights);
+        let mut best = (self.excess_of(space, &space.envelope(first), morph_weights), first);
+        if total(&best.0) > 0.0 || total(&best.0).is_nan() {
+            for envelope in (0..count).filter(|envelope| *envelope != first) {
+                let excess = self.excess_of(space, &space.envelope(envelope), morph_weights);
                 let (new, old) = (total(&excess), total(&best.0));
                 // Of equals the lowest, whichever was tried first.
                 if new < old || old.is_nan() || (new == old && envelope < best.1) {
@@ -269,50 +243,52 @@ impl Motions {
     }
 
     /// Moves from one envelope towards others for as long as that lessens the excess.
-    fn mix_from(&mut self, space: &Space, envelope: usize, mut best: [f64; 3]) -> [f64; 3] {
-        let bones = self.motions.len();
+    fn mix_from(&mut self, space: &PoseSpace, envelope: u32, mut best: [f64; 3]) -> [f64; 3] {
+        let start = space.envelope(envelope);
+        let place = self.place_on_line(space, &start);
         self.mix.clear();
-        let rows = space.bones_of(envelope, bones);
-        let place = place_on_line(&self.motions, rows);
-        self.mix.extend(rows.iter().map(|row| Mixed::on_line(row, place)));
+        self.mix
+            .extend(start.bones.iter().map(|row| Mixed::on_line(row, place)));
         for _ in 1..MOST_MIXED {
             // The envelope towards which the straight way passes nearest, and how far to go.
-            let mut way: Option<(f64, usize, f64)> = None;
-            for other in 0..space.row.envelope_count as usize {
-                let rows = space.bones_of(other, bones);
-                let place = place_on_line(&self.motions, rows);
-                let (mut along, mut length) = (0.0, 0.0);
-                for ((motion, mixed), row) in self.motions.iter().zip(&self.mix).zip(rows) {
+            let mut way: Option<(f64, Envelope, f64, f64)> = None;
+            for other in 0..space.envelope_count {
+                let other = space.envelope(other);
+                let place = self.place_on_line(space, &other);
+                let (mut along, mut length) = ([0.0; 12], [0.0; 12]);
+                let rows = self.motions.iter().zip(&self.mix).zip(other.bones).zip(space.movers);
+                for (((motion, mixed), row), mover) in rows {
                     for n in 0..12 {
                         let to = f64::from(row.center[n]) + place * f64::from(row.direction[n]) - mixed.center[n];
-                        along += motion.weights[n] * to * (motion.numbers[n] - mixed.center[n]);
-                        length += motion.weights[n] * to * to;
+                        along[n] += mover.squares[n] * to * (motion.numbers[n] - mixed.center[n]);
+                        length[n] += mover.squares[n] * to * to;
                     }
                 }
+                let (along, length) = (along.iter().sum::<f64>(), length.iter().sum::<f64>());
                 let share = (along / length).min(1.0);
                 // What that takes off the squared distance.
                 let gain = share * (2.0 * along - share * length);
                 if share > 0.0 && gain.is_finite() && way.is_none_or(|(most, ..)| gain > most) {
-                    way = Some((gain, other, share));
+                    way = Some((gain, other, place, share));
                 }
             }
-            let Some((_, other, share)) = way else {
+            let Some((_, other, place, share)) = way else {
                 return best;
             };
-            let rows = space.bones_of(other, bones);
-            let place = place_on_line(&self.motions, rows);
-            let mut excess = [0.0; 3];
-            for ((motion, mixed), row) in self.motions.iter().zip(&mut self.mix).zip(rows) {
+            let mut lengths = [0.0; 12];
+            for ((motion, mixed), row) in self.motions.iter().zip(&mut self.mix).zip(other.bones) {
                 *mixed = mixed.towards(&Mixed::on_line(row, place), share);
-                let beyond: [f64; 12] =
-                    std::array::from_fn(|n| ((motion.numbers[n] - mixed.center[n]).abs() - mixed.reach[n]).max(0.0));
-                add_lengths(&mut excess, &beyond, &motion.levers);
+                for n in 0..12 {
+                    let beyond = ((motion.numbers[n] - mixed.center[n]).abs() - mixed.reach[n]).max(0.0);
+                    lengths[n] += beyond * motion.levers[n];
+                }
             }
+            let excess = per_axis(&lengths);
             if !(total(&excess) < total(&best)) {
                 return best;
             }
             best = excess;
-            if total(&best) == 0.0 {
+            if !self.is_outside(&best) {
                 return best;
             }
         }
@@ -320,30 +296,37 @@ impl Motions {
     }
 }
 
-/// Adds by how much an excess of a bone's numbers displaces vertices.
+/// By how much each number is out of reach of a place on the line of an envelope.
 #[inline]
-fn add_lengths(out: &mut [f64; 3], excess: &[f64; 12], levers: &[f64; 12]) {
-    for k in 0..3 {
-        for j in 0..4 {
-            out[k] += excess[3 * j + k] * levers[3 * j + k];
-        }
-    }
+fn beyond(motion: &Motion, row: &BoneEnvelopeRow, place: f64) -> [f64; 12] {
+    std::array::from_fn(|n| {
+        let nearest = f64::from(row.center[n]) + place * f64::from(row.direction[n]);
+        let off = (motion.numbers[n] - nearest).abs() - f64::from(row.reach[n]);
+        // A comparison that NaN passes.
+        if off <= 0.0 { 0.0 } else { off }
+    })
 }
 
-/// Where on the line of an envelope the pose's motions are nearest: α, weighed by levers.
+/// Lengths by number, summed over what displaces along the same axis.
 #[inline]
-fn place_on_line(motions: &[Motion], rows: &[BoneEnvelopeRow]) -> f64 {
-    let (mut along, mut length) = (0.0, 0.0);
-    for (motion, row) in motions.iter().zip(rows) {
-        for n in 0..12 {
-            let direction = f64::from(row.direction[n]) * motion.weights[n];
-            along += direction * (motion.numbers[n] - f64::from(row.center[n]));
-            length += direction * f64::from(row.direction[n]);
+fn per_axis(lengths: &[f64; 12]) -> [f64; 3] {
+    std::array::from_fn(|k| (lengths[k] + lengths[3 + k]) + (lengths[6 + k] + lengths[9 + k]))
+}
+
+fn total(excess: &[f64; 3]) -> f64 {
+    excess[0] + excess[1] + excess[2]
+}
+
+/// `Σ` over a cluster's targets of `weight·extent`, per axis.
+fn displacement(morphs: &[ClusterMorphRow], weight: impl Fn(usize, u32) -> f64) -> [f64; 3] {
+    let mut out = [0.0; 3];
+    for (place, row) in morphs.iter().enumerate() {
+        let weight = weight(place, row.target);
+        for k in 0..3 {
+            out[k] += weight * f64::from(row.extent[k]);
         }
     }
-    let place = along / length;
-    // 0/0 where nothing moves; any place on the line is a right one.
-    if place.is_nan() { 0.0 } else { place.clamp(-1.0, 1.0) }
+    out
 }
 
 impl Mixed {
@@ -368,13 +351,7 @@ impl Mixed {
 }
 
 impl Motion {
-    fn new(
-        inverse: &[[f64; 3]; 3],
-        own: &[[f64; 3]; 4],
-        x: &[[f64; 3]; 4],
-        lever: &LeverRow,
-        morphed: [f64; 3],
-    ) -> Self {
+    fn new(inverse: &[[f64; 3]; 3], own: &[[f64; 3]; 4], x: &[[f64; 3]; 4], mover: &Mover, morphed: [f64; 3]) -> Self {
         let turned = |v: [f64; 3]| -> [f64; 3] {
             std::array::from_fn(|k| inverse[k][0] * v[0] + inverse[k][1] * v[1] + inverse[k][2] * v[2])
         };
@@ -385,17 +362,15 @@ impl Motion {
             for k in 0..3 {
                 let entry = column[k] - if j == k { 1.0 } else { 0.0 };
                 numbers[3 * j + k] = entry;
-                offset[k] += entry * f64::from(lever.pivot[j]);
+                offset[k] += entry * mover.pivot[j];
             }
         }
         numbers[9..].copy_from_slice(&offset);
-        let weight = f64::from(lever.weight);
-        let lever = |n: usize| if n < 9 { f64::from(lever.lever[n / 3]) } else { weight };
-        Self {
-            numbers,
-            levers: std::array::from_fn(|n| lever(n) + if n < 9 { weight * morphed[n / 3] } else { 0.0 }),
-            weights: std::array::from_fn(|n| lever(n) * lever(n)),
+        let mut levers = mover.levers;
+        for n in 0..9 {
+            levers[n] += mover.weight * morphed[n / 3];
         }
+        Self { numbers, levers }
     }
 }
 

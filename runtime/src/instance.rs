@@ -3,7 +3,7 @@ use crate::{
     build::KdBuilder,
     cache::CacheState,
     cluster_frame::{ClusterFrame, FrameInputs, Map64, PosedMap, Way, invert_frame},
-    excess::{self, Excess, Motions},
+    excess::{BoneMap, Excess, MeasuredPose, Motions},
     posed_tree::PosedTree,
     vertex::{pose_vertex, reach},
     vertex_memo::VertexMemo,
@@ -31,6 +31,8 @@ pub(crate) struct Instance {
     /// Per cluster without a track: the envelope in which its pose was last found.
     nearest_envelopes: Vec<u32>,
     motions: Motions,
+    /// The palette as poses are measured; empty where no cluster has a pose space.
+    bone_maps: Vec<BoneMap>,
     /// Vertices posed in this frame.
     memo: VertexMemo,
     /// Trees over posed triangles, by the order of these among `clusters`.
@@ -64,6 +66,7 @@ impl Instance {
             clusters: Vec::new(),
             nearest_envelopes: vec![0; asset.model().pose_spaces.len()],
             motions: Motions::default(),
+            bone_maps: Vec::new(),
             memo: VertexMemo::new(asset.model().vertices.len()),
             trees: Vec::new(),
         }
@@ -78,6 +81,10 @@ impl Instance {
         let posed = |x: &Affine| PosedMap::product(&[&transform, &Map64::new(x)]);
         self.bones.clear();
         self.bones.extend(self.pose.palette.iter().map(posed));
+        self.bone_maps.clear();
+        if !model.pose_spaces.is_empty() {
+            self.bone_maps.extend(self.pose.palette.iter().map(BoneMap::new));
+        }
         self.posed.clear();
         self.posed.extend(self.bones.iter().map(|bone| bone.map));
         self.caches.resize_with(model.caches.len(), CacheState::default);
@@ -142,17 +149,17 @@ impl Instance {
         let cluster = &model.clusters[row as usize];
         // The baker judged poses without an instance transform; what it left out must not be traced here either.
         let inverse = invert_frame(&self.pose.palette[cluster.bone as usize])?;
-        let excess = match self.nearest_envelopes.get_mut(row as usize) {
+        let excess = match self.asset.pose_spaces().of(model, row as usize) {
             None => Excess::NONE,
-            Some(nearest) => excess::measure(
-                model,
-                row as usize,
-                &inverse,
-                &self.pose.palette,
-                &self.pose.morph_weights,
-                nearest,
-                &mut self.motions,
-            ),
+            Some(space) => {
+                let pose = MeasuredPose {
+                    bones: &self.bone_maps,
+                    morph_weights: &self.pose.morph_weights,
+                };
+                let nearest = &mut self.nearest_envelopes[row as usize];
+                self.motions
+                    .measure(&space, cluster.bone as usize, &inverse, pose, nearest)
+            }
         };
         let frame = ClusterFrame::new(&FrameInputs {
             frame: &self.bones[cluster.bone as usize],

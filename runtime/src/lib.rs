@@ -40,6 +40,7 @@ mod hit;
 mod instance;
 mod map;
 mod pose;
+mod pose_space;
 mod posed_tree;
 mod ray;
 mod scene;
