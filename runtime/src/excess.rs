@@ -279,8 +279,7 @@ impl Motions {
             for ((motion, mixed), row) in self.motions.iter().zip(&mut self.mix).zip(other.bones) {
                 *mixed = mixed.towards(&Mixed::on_line(row, place), share);
                 for n in 0..12 {
-                    let beyond = ((motion.numbers[n] - mixed.center[n]).abs() - mixed.reach[n]).max(0.0);
-                    lengths[n] += beyond * motion.levers[n];
+                    lengths[n] += out_of_reach(motion.numbers[n], mixed.center[n], mixed.reach[n]) * motion.levers[n];
                 }
             }
             let excess = per_axis(&lengths);
@@ -301,10 +300,15 @@ impl Motions {
 fn beyond(motion: &Motion, row: &BoneEnvelopeRow, place: f64) -> [f64; 12] {
     std::array::from_fn(|n| {
         let nearest = f64::from(row.center[n]) + place * f64::from(row.direction[n]);
-        let off = (motion.numbers[n] - nearest).abs() - f64::from(row.reach[n]);
-        // A comparison that NaN passes.
-        if off <= 0.0 { 0.0 } else { off }
+        out_of_reach(motion.numbers[n], nearest, f64::from(row.reach[n]))
     })
+}
+
+#[inline]
+fn out_of_reach(number: f64, center: f64, reach: f64) -> f64 {
+    let off = (number - center).abs() - reach;
+    // `max` would make nothing of a NaN.
+    if off <= 0.0 { 0.0 } else { off }
 }
 
 /// Lengths by number, summed over what displaces along the same axis.

@@ -23,11 +23,13 @@
 //!
 //! # The contract
 //!
-//! For every pose that the file's fuzzy boxes were made for and every ray, [`Frame::closest_hit`] returns the same
-//! triangle, `t` and barycentric coordinates, bit for bit, as testing every triangle of the scene with
-//! [`triangle::PreparedRay::intersect`]. Equal `t` is decided by the lowest instance, then the lowest triangle. A file
-//! baked with sampled bounds was made for the poses of its sample section, under any instance transform; `cluster_frame`
-//! holds the proof.
+//! For every finite pose and every ray, [`Frame::closest_hit`] returns the same triangle, `t` and barycentric coordinates,
+//! bit for bit, as testing every triangle of the scene with [`triangle::PreparedRay::intersect`]. Equal `t` is decided by the
+//! lowest instance, then the lowest triangle. `cluster_frame` holds the proof, `excess` that of poses that the file was not
+//! baked for: they cost time, no hits, and [`FrameStats::clusters_outside`] counts them.
+//!
+//! Only a file that was baked with sampled bounds promises less: the poses of its sample section, under any instance
+//! transform.
 
 mod asset;
 pub mod build;

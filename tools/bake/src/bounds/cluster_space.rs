@@ -1,6 +1,10 @@
-//! The pose space of a cluster: its envelopes, and the fuzzy boxes that hold in all of them.
+//! The pose space of a cluster: its envelopes.
 
-use super::{FuzzyBox, affine_fit::fit, pivot::pivot};
+use super::{
+    affine_fit::fit,
+    movers::{Mover, cluster_morphs, movers},
+    nearest_groups::nearest_groups,
+};
 use crate::{
     BakeError,
     assemble::row_count,
@@ -9,13 +13,9 @@ use crate::{
 use bytemuck::Zeroable;
 use restpose_formats::{
     Model,
-    geom::{
-        Aabb,
-        round::{f32_above, f32_below},
-    },
+    geom::round::{f32_above, f32_below},
     rows::{BoneEnvelopeRow, ClusterMorphRow, LeverRow, MorphEnvelopeRow, PoseSpaceRow},
 };
-use std::collections::BTreeMap;
 
 /// The poses that boxes are made for.
 pub(crate) struct Poses<'a> {
@@ -27,12 +27,6 @@ pub(crate) struct Poses<'a> {
     pub of_clips: usize,
 }
 
-/// A bone that moves vertices of a cluster, beside the cluster's own.
-struct Mover {
-    bone: u32,
-    lever: LeverRow,
-}
-
 /// A stretch of poses as one cluster sees it.
 struct Stretch {
     chord: Chord,
@@ -41,16 +35,16 @@ struct Stretch {
 }
 
 /// Rows of one envelope.
-struct Envelope {
-    bones: Vec<BoneEnvelopeRow>,
-    morphs: Vec<MorphEnvelopeRow>,
+pub(super) struct Envelope {
+    pub bones: Vec<BoneEnvelopeRow>,
+    pub morphs: Vec<MorphEnvelopeRow>,
 }
 
 pub(crate) struct ClusterSpace {
     bone: u32,
-    movers: Vec<Mover>,
-    morphs: Vec<ClusterMorphRow>,
-    envelopes: Vec<Envelope>,
+    pub(super) movers: Vec<Mover>,
+    pub(super) morphs: Vec<ClusterMorphRow>,
+    pub(super) envelopes: Vec<Envelope>,
 }
 
 impl ClusterSpace {
@@ -62,7 +56,7 @@ impl ClusterSpace {
             .collect();
         vertices.sort_unstable();
         vertices.dedup();
-        let movers = movers(model, poses, bone, &vertices);
+        let movers = movers(model, poses.sampled, bone, &vertices);
         let mut out = Self {
             bone,
             movers,
@@ -80,7 +74,11 @@ impl ClusterSpace {
             most
         };
         let for_clips = most.saturating_sub(usize::from(!random.is_empty())).max(1);
-        let mut groups = out.groups(&of_clips, &levers, for_clips);
+        let places: Vec<Vec<f64>> = of_clips.iter().map(|stretch| out.place(stretch, &levers)).collect();
+        let mut groups: Vec<Vec<&Stretch>> = nearest_groups(&places, for_clips)
+            .into_iter()
+            .map(|group| group.into_iter().map(|at| &of_clips[at]).collect())
+            .collect();
         if most == 1 && !groups.is_empty() {
             groups[0].extend(random);
         } else if !random.is_empty() {
@@ -158,44 +156,6 @@ impl ClusterSpace {
         poses.sampled[poses.of_clips..].iter().filter_map(stretch).collect()
     }
 
-    /// Groups stretches that are near each other: centers are chosen one after the other, each the stretch that is
-    /// farthest from all before it, then every stretch joins the nearest.
-    ///
-    /// Source: Gonzalez, *Clustering to Minimize the Maximum Intercluster Distance*, 1985: at most twice the least
-    /// possible radius.
-    fn groups<'a>(&self, stretches: &'a [Stretch], levers: &[f64], most: usize) -> Vec<Vec<&'a Stretch>> {
-        let places: Vec<Vec<f64>> = stretches.iter().map(|stretch| self.place(stretch, levers)).collect();
-        let Some(first) = places.first() else {
-            return Vec::new();
-        };
-        let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
-        let mut nearest: Vec<(f64, usize)> = places.iter().map(|place| (distance(place, first), 0)).collect();
-        let mut count = 1;
-        while count < most {
-            let mut farthest = (0.0, 0);
-            for (at, (distance, _)) in nearest.iter().enumerate() {
-                if *distance > farthest.0 {
-                    farthest = (*distance, at);
-                }
-            }
-            if farthest.0 == 0.0 {
-                break;
-            }
-            for (place, nearest) in places.iter().zip(&mut nearest) {
-                let distance = distance(place, &places[farthest.1]);
-                if distance < nearest.0 {
-                    *nearest = (distance, count);
-                }
-            }
-            count += 1;
-        }
-        let mut groups = vec![Vec::new(); count];
-        for (stretch, (_, group)) in stretches.iter().zip(nearest) {
-            groups[group].push(stretch);
-        }
-        groups
-    }
-
     /// The middle of a stretch, in lengths by which it displaces vertices.
     fn place(&self, stretch: &Stretch, levers: &[f64]) -> Vec<f64> {
         let chord = &stretch.chord;
@@ -225,118 +185,6 @@ impl ClusterSpace {
             bones: fit(&chords, levers),
             morphs,
         }
-    }
-
-    /// Fuzzy boxes of triangles of the cluster, in order: each contains the fuzzy positions of its corners in every pose of
-    /// every envelope.
-    pub(crate) fn fuzzy_boxes(&self, model: &Model, triangles: &[u32]) -> Vec<Aabb> {
-        let mut place_of_mover = vec![None; model.bones.len()];
-        for (place, mover) in self.movers.iter().enumerate() {
-            place_of_mover[mover.bone as usize] = Some(place);
-        }
-        let mut target_places = BTreeMap::new();
-        for (place, row) in self.morphs.iter().enumerate() {
-            target_places.insert(row.target, place);
-        }
-        let forms: Vec<Vec<Form>> = self
-            .envelopes
-            .iter()
-            .map(|envelope| envelope.bones.iter().map(Form::new).collect())
-            .collect();
-        let mut boxes: BTreeMap<u32, (FuzzyBox, f64)> = BTreeMap::new();
-        let mut box_of = |vertex: u32| {
-            *boxes.entry(vertex).or_insert_with(|| {
-                let mut bounds = FuzzyBox::EMPTY;
-                let mut error = 0.0;
-                for (envelope, forms) in self.envelopes.iter().zip(&forms) {
-                    let found =
-                        self.vertex_box(model, vertex as usize, &place_of_mover, &target_places, envelope, forms);
-                    bounds = bounds.union(found.0);
-                    error = f64::max(error, found.1);
-                }
-                (bounds, error)
-            })
-        };
-        let of_triangle = |triangle: &u32| {
-            let corners = model.triangles[*triangle as usize].corners.map(&mut box_of);
-            let bounds = corners
-                .iter()
-                .fold(FuzzyBox::EMPTY, |bounds, corner| bounds.union(corner.0));
-            bounds.rounded_outwards(corners.iter().fold(0.0, |error, corner| error.max(corner.1)))
-        };
-        triangles.iter().map(of_triangle).collect()
-    }
-
-    /// The box of a vertex's fuzzy positions in one envelope, and a bound of its rounding.
-    ///
-    /// With p within r of m by the morph weights, and motions `C + αU ± e`, the fuzzy position is within
-    /// `|Σ w(U(m − k) + U_d)| + Σ w(e|m − k| + e_d) + |1 + Σ wC|·r + Σ w(|U| + e)·r` of `m + Σ w(C(m − k) + C_d)`. Without
-    /// morphs that is the smallest such box: each number of the form occurs once per axis.
-    fn vertex_box(
-        &self,
-        model: &Model,
-        vertex: usize,
-        place_of_mover: &[Option<usize>],
-        target_places: &BTreeMap<u32, usize>,
-        envelope: &Envelope,
-        forms: &[Form],
-    ) -> (FuzzyBox, f64) {
-        let mut middle = model.vertices[vertex].position_rest.map(f64::from);
-        let mut spread = [0.0; 3];
-        for delta in model.morph_deltas_of(vertex) {
-            let interval = &envelope.morphs[target_places[&delta.target]];
-            let (min, max) = (f64::from(interval.min), f64::from(interval.max));
-            for k in 0..3 {
-                let delta = f64::from(delta.delta[k]);
-                middle[k] += 0.5 * (min + max) * delta;
-                spread[k] += 0.5 * (max - min) * delta.abs();
-            }
-        }
-        let morphed = spread != [0.0; 3];
-        let mut is_still = model.morph_deltas_of(vertex).is_empty();
-        let mut center = middle;
-        let mut line = [0.0; 3];
-        let mut reach = [0.0; 3];
-        let mut turned = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let mut size = middle.iter().fold(0.0, |size: f64, x| size.max(x.abs())) + spread[0] + spread[1] + spread[2];
-        for influence in model.influences_of(vertex) {
-            let Some(place) = place_of_mover[influence.bone as usize] else {
-                continue;
-            };
-            is_still = false;
-            let (form, weight) = (&forms[place], f64::from(influence.weight));
-            let pivot = self.movers[place].lever.pivot.map(f64::from);
-            let arm: [f64; 3] = std::array::from_fn(|j| middle[j] - pivot[j]);
-            for k in 0..3 {
-                let along = |numbers: &[f64; 12]| {
-                    numbers[k] * arm[0] + numbers[3 + k] * arm[1] + numbers[6 + k] * arm[2] + numbers[9 + k]
-                };
-                let around = |numbers: &[f64; 12]| {
-                    let linear = (0..3).map(|j| numbers[3 * j + k].abs() * arm[j].abs()).sum::<f64>();
-                    linear + numbers[9 + k].abs()
-                };
-                center[k] += weight * along(&form.center);
-                line[k] += weight * along(&form.direction);
-                reach[k] += weight * around(&form.reach);
-                size += weight * (around(&form.center) + around(&form.direction) + around(&form.reach));
-                if morphed {
-                    for j in 0..3 {
-                        let n = 3 * j + k;
-                        turned[j][k] += weight * form.center[n];
-                        reach[k] += weight * (form.direction[n].abs() + form.reach[n]) * spread[j];
-                        size += weight * (form.center[n].abs() + form.direction[n].abs() + form.reach[n]) * spread[j];
-                    }
-                }
-            }
-        }
-        let mut bounds = FuzzyBox::EMPTY;
-        let half: [f64; 3] = std::array::from_fn(|k| {
-            let morphs: f64 = (0..3).map(|j| turned[j][k].abs() * spread[j]).sum();
-            line[k].abs() + reach[k] + morphs
-        });
-        bounds.add(std::array::from_fn(|k| center[k] - half[k]));
-        bounds.add(std::array::from_fn(|k| center[k] + half[k]));
-        (bounds, if is_still { 0.0 } else { BOX_ROUNDING * size })
     }
 
     /// Adds the rows of the pose space of cluster row `cluster`.
@@ -371,26 +219,6 @@ impl ClusterSpace {
     }
 }
 
-/// 2⁻⁴⁸: bounds the roundings of a fuzzy position's interval in `f64`, under 32 of 2⁻⁵³, relative to what enters it.
-const BOX_ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
-
-/// A bone envelope row in `f64`.
-struct Form {
-    center: [f64; 12],
-    direction: [f64; 12],
-    reach: [f64; 12],
-}
-
-impl Form {
-    fn new(row: &BoneEnvelopeRow) -> Self {
-        Self {
-            center: row.center.map(f64::from),
-            direction: row.direction.map(f64::from),
-            reach: row.reach.map(f64::from),
-        }
-    }
-}
-
 impl Stretch {
     /// `None` where numbers leave the range of `f32`: such poses are left to the runtime's margin.
     fn new(chord: Chord, morphs: Vec<(f64, f64)>) -> Option<Self> {
@@ -401,73 +229,4 @@ impl Stretch {
             .all(|x| x.abs() < LIMIT);
         in_range.then_some(Self { chord, morphs })
     }
-}
-
-/// The bones beside the cluster's own that move its vertices, ascending, with pivots and levers.
-fn movers(model: &Model, poses: &Poses, bone: u32, vertices: &[u32]) -> Vec<Mover> {
-    /// Sum of weights, weighed sum of positions.
-    #[derive(Default)]
-    struct Mass {
-        weight: f64,
-        moment: [f64; 3],
-    }
-    let mut masses: BTreeMap<u32, Mass> = BTreeMap::new();
-    let influences = || {
-        vertices.iter().flat_map(|vertex| {
-            let position = model.vertices[*vertex as usize].position_rest.map(f64::from);
-            let influences = model.influences_of(*vertex as usize).iter();
-            influences
-                .filter(|influence| influence.bone != bone)
-                .map(move |influence| (position, influence))
-        })
-    };
-    for (position, influence) in influences() {
-        let mass = masses.entry(influence.bone).or_default();
-        let weight = f64::from(influence.weight);
-        mass.weight += weight;
-        mass.moment = std::array::from_fn(|k| mass.moment[k] + weight * position[k]);
-    }
-    let mut levers: BTreeMap<u32, LeverRow> = masses
-        .into_iter()
-        .map(|(mover, mass)| {
-            let center = mass.moment.map(|x| x / mass.weight);
-            let own = influences().filter(|(_, influence)| influence.bone == mover);
-            let spread = own.fold(0.0, |spread: f64, (position, _)| {
-                (0..3).fold(spread, |spread, k| spread.max((position[k] - center[k]).abs()))
-            });
-            let row = LeverRow {
-                pivot: pivot(poses.sampled, bone as usize, mover as usize, center, spread),
-                lever: [0.0; 3],
-                weight: 0.0,
-                reserved: 0,
-            };
-            (mover, row)
-        })
-        .collect();
-    for (position, influence) in influences() {
-        if let Some(row) = levers.get_mut(&influence.bone) {
-            row.weight = row.weight.max(influence.weight);
-            for k in 0..3 {
-                let lever = f64::from(influence.weight) * (position[k] - f64::from(row.pivot[k])).abs();
-                row.lever[k] = row.lever[k].max(f32_above(lever));
-            }
-        }
-    }
-    levers.into_iter().map(|(bone, lever)| Mover { bone, lever }).collect()
-}
-
-/// The morph targets that displace these vertices, ascending, with the extent of their deltas.
-fn cluster_morphs(model: &Model, vertices: &[u32]) -> Vec<ClusterMorphRow> {
-    let mut rows: BTreeMap<u32, ClusterMorphRow> = BTreeMap::new();
-    for delta in vertices
-        .iter()
-        .flat_map(|vertex| model.morph_deltas_of(*vertex as usize))
-    {
-        let row = rows.entry(delta.target).or_insert(ClusterMorphRow {
-            target: delta.target,
-            extent: [0.0; 3],
-        });
-        row.extent = std::array::from_fn(|k| row.extent[k].max(delta.delta[k].abs()));
-    }
-    rows.into_values().collect()
 }

@@ -2,8 +2,11 @@
 
 mod affine_fit;
 mod cluster_space;
+mod envelope_boxes;
 mod enveloped;
 mod fuzzy_box;
+mod movers;
+mod nearest_groups;
 mod pivot;
 mod vertex_track;
 

@@ -124,7 +124,7 @@ const ALONE: [(&[&str], &str); 14] = [
         "--seed does nothing without --pose-space limits or --pose-space arbitrary",
     ),
     (
-        &["--envelopes", "5"],
+        &["--bounds", "sampled", "--envelopes", "5"],
         "--envelopes does nothing without --bounds envelope",
     ),
     (

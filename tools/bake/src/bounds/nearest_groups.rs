@@ -1,0 +1,55 @@
+/// Groups points that are near each other, in at most `most` groups: centers are chosen one after the other, each the point
+/// that is farthest from all before it, then every point joins the nearest. Returns the points' numbers.
+///
+/// Source: Gonzalez, *Clustering to Minimize the Maximum Intercluster Distance*, 1985: at most twice the least possible
+/// radius.
+pub(super) fn nearest_groups(points: &[Vec<f64>], most: usize) -> Vec<Vec<usize>> {
+    let Some(first) = points.first() else {
+        return Vec::new();
+    };
+    let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+    let mut nearest: Vec<(f64, usize)> = points.iter().map(|point| (distance(point, first), 0)).collect();
+    let mut count = 1;
+    while count < most {
+        let mut farthest = (0.0, 0);
+        for (at, (distance, _)) in nearest.iter().enumerate() {
+            if *distance > farthest.0 {
+                farthest = (*distance, at);
+            }
+        }
+        if farthest.0 == 0.0 {
+            break;
+        }
+        for (point, nearest) in points.iter().zip(&mut nearest) {
+            let distance = distance(point, &points[farthest.1]);
+            if distance < nearest.0 {
+                *nearest = (distance, count);
+            }
+        }
+        count += 1;
+    }
+    let mut groups = vec![Vec::new(); count];
+    for (at, (_, group)) in nearest.into_iter().enumerate() {
+        groups[group].push(at);
+    }
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_join_the_nearest_of_far_apart_centers() {
+        let points = [0.0, 10.0, 0.5, 9.0, 5.2].map(|x| vec![x, 1.0]);
+        assert_eq!(nearest_groups(&points, 3), [vec![0, 2], vec![1, 3], vec![4]]);
+        assert_eq!(nearest_groups(&points, 1), [vec![0, 1, 2, 3, 4]]);
+        assert_eq!(nearest_groups(&points, 9).len(), 5, "one each");
+    }
+
+    #[test]
+    fn equal_points_are_one_group() {
+        assert_eq!(nearest_groups(&[vec![], vec![], vec![]], 4), [vec![0, 1, 2]]);
+        assert!(nearest_groups(&[], 4).is_empty());
+    }
+}
