@@ -45,6 +45,12 @@ const ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
 /// Relative slack for the sum that is the excess itself: a few hundred roundings of 2⁻⁵³, and two of each lever.
 const SUM_SLACK: f64 = 1.0 / (1u64 << 44) as f64;
 
+/// Envelopes whose excess is measured where none holds the pose: those whose centers are nearest.
+const NEAREST_TRIED: usize = 4;
+
+/// Envelopes that a mix is sought with.
+const NEAREST_MIXED: usize = 8;
+
 /// How far a pose is from a cluster's pose space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Excess {
@@ -105,8 +111,8 @@ pub(crate) struct Motions {
     rounding: f64,
     /// By how much morphs displace a vertex, at most, per axis.
     morphed: [f64; 3],
-    /// Per envelope: where on its line the motions are nearest. Known where all envelopes were tried.
-    places: Vec<f64>,
+    /// Squared distance to the center of each envelope, in lengths, with its number; ascending.
+    order: Vec<(f64, u32)>,
 }
 
 impl Motions {
@@ -115,7 +121,7 @@ impl Motions {
     /// `inverse` is what [`invert_frame`](crate::invert_frame) made of the palette's map of that bone. `nearest` is an
     /// envelope to try first and becomes the one that is nearest; what it was changes nothing of the result.
     ///
-    /// Complexity: twelve comparisons per bone where the first envelope holds the pose, else as many per envelope.
+    /// Complexity: twelve comparisons per bone where the first envelope holds the pose, else a distance per envelope.
     pub(crate) fn measure(
         &mut self,
         space: &PoseSpace,
@@ -163,7 +169,8 @@ impl Motions {
     }
 
     /// By how much the pose leaves one envelope, per local axis.
-    fn excess_of(&self, space: &PoseSpace, envelope: &Envelope, place: f64, morph_weights: &[f32]) -> [f64; 3] {
+    fn excess_of(&self, space: &PoseSpace, envelope: &Envelope, morph_weights: &[f32]) -> [f64; 3] {
+        let place = self.place_on_line(space, envelope);
         let mut lengths = [0.0; 12];
         for ((motion, row), mover) in self.motions.iter().zip(envelope.bones).zip(space.movers) {
             let off = off_line(motion, row, place);
@@ -219,27 +226,42 @@ impl Motions {
         if place.is_nan() { 0.0 } else { place.clamp(-1.0, 1.0) }
     }
 
-    /// The least excess over all envelopes. `nearest` is tried first, and in the end is where it was found.
+    /// The excess over the envelopes that may hold the pose, and the few that are nearest. `nearest` is tried first, and in
+    /// the end is where the least was found.
     fn nearest_envelope(&mut self, space: &PoseSpace, morph_weights: &[f32], nearest: &mut u32) -> [f64; 3] {
-        let envelope = space.envelope(*nearest);
-        let place = self.place_on_line(space, &envelope);
-        let first = self.excess_of(space, &envelope, place, morph_weights);
+        let first = self.excess_of(space, &space.envelope(*nearest), morph_weights);
         if total(&first) == 0.0 {
             return first;
         }
-        self.places.clear();
-        let mut best = ([f64::INFINITY; 3], 0);
-        for number in 0..space.envelope_count {
-            let envelope = space.envelope(number);
-            let place = self.place_on_line(space, &envelope);
-            self.places.push(place);
-            let excess = self.excess_of(space, &envelope, place, morph_weights);
-            if total(&excess) < total(&best.0) {
-                best = (excess, number);
+        self.order.clear();
+        self.order.extend((0..space.envelope_count).map(|number| {
+            let rows = space.envelope(number).bones;
+            let mut square = [0.0; 12];
+            for ((motion, row), mover) in self.motions.iter().zip(rows).zip(space.movers) {
+                for n in 0..12 {
+                    let off = motion.numbers[n] - f64::from(row.center[n]);
+                    square[n] += mover.squares[n] * off * off;
+                }
+            }
+            (square.iter().sum::<f64>(), number)
+        }));
+        self.order
+            .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut best = [f64::INFINITY; 3];
+        for (rank, (square, number)) in self.order.iter().enumerate() {
+            let envelope = space.envelope(*number);
+            if rank >= NEAREST_TRIED && *square > envelope.square_radius {
+                continue;
+            }
+            let excess = self.excess_of(space, &envelope, morph_weights);
+            if total(&excess) < total(&best) {
+                (best, *nearest) = (excess, *number);
+            }
+            if total(&excess) == 0.0 {
+                break;
             }
         }
-        *nearest = best.1;
-        best.0
+        best
     }
 
     /// The excess over the mix of envelope `first` with the one towards which the straight way passes nearest, where that
@@ -248,13 +270,16 @@ impl Motions {
     /// A third envelope was tried: on blends of two poses it takes another 0 to 10 % off the excess, where the second
     /// takes off 20 to 60 %, and costs half as much again.
     fn mixed_with_another(&self, space: &PoseSpace, first: u32, alone: [f64; 3]) -> [f64; 3] {
-        let from = space.envelope(first).bones;
-        let from_place = self.places[first as usize];
-        let mut way: Option<(f64, u32, f64)> = None;
-        for other in (0..space.envelope_count).filter(|other| *other != first) {
-            let (to, to_place) = (space.envelope(other).bones, self.places[other as usize]);
+        let from = space.envelope(first);
+        let from_place = self.place_on_line(space, &from);
+        let mut way: Option<(f64, Envelope, f64, f64)> = None;
+        let others = self.order.iter().filter(|(_, number)| *number != first);
+        for (_, number) in others.take(NEAREST_MIXED) {
+            let to = space.envelope(*number);
+            let to_place = self.place_on_line(space, &to);
             let (mut along, mut length) = ([0.0; 12], [0.0; 12]);
-            for (((motion, from), to), mover) in self.motions.iter().zip(from).zip(to).zip(space.movers) {
+            let bones = self.motions.iter().zip(from.bones).zip(to.bones).zip(space.movers);
+            for (((motion, from), to), mover) in bones {
                 for n in 0..12 {
                     let start = on_line(from, from_place, n);
                     let step = on_line(to, to_place, n) - start;
@@ -267,16 +292,16 @@ impl Motions {
             // What that takes off the squared distance.
             let gain = share * (2.0 * along - share * length);
             if share > 0.0 && gain.is_finite() && way.is_none_or(|(most, ..)| gain > most) {
-                way = Some((gain, other, share));
+                way = Some((gain, to, to_place, share));
             }
         }
-        let Some((_, other, share)) = way else {
+        let Some((_, to, to_place, share)) = way else {
             return alone;
         };
-        let (to, to_place) = (space.envelope(other).bones, self.places[other as usize]);
         let mix = |a: f64, b: f64| (1.0 - share) * a + share * b;
         let mut lengths = [0.0; 12];
-        for (((motion, from), to), mover) in self.motions.iter().zip(from).zip(to).zip(space.movers) {
+        let bones = self.motions.iter().zip(from.bones).zip(to.bones).zip(space.movers);
+        for (((motion, from), to), mover) in bones {
             let off = std::array::from_fn(|n| {
                 let center = mix(on_line(from, from_place, n), on_line(to, to_place, n));
                 // The lines' own numbers may be far greater than their mix.

@@ -10,10 +10,10 @@ pub(crate) struct PoseSpaces {
     movers: Vec<Mover>,
     /// Per cluster with a pose space, its range of `movers`.
     movers_of: Vec<Range<usize>>,
-    /// Per cluster, its first place in `lengths`.
-    length_first: Vec<usize>,
-    /// Per cluster and envelope: one over the squared length of its line, zero where it has none.
-    lengths: Vec<f64>,
+    /// Per cluster, its first place in `lines`.
+    line_first: Vec<usize>,
+    /// Per cluster and envelope.
+    lines: Vec<Line>,
 }
 
 /// A bone that moves vertices of a cluster beside the cluster's own.
@@ -30,6 +30,13 @@ pub(crate) struct Mover {
     pub squares: [f64; 12],
 }
 
+/// The line of an envelope.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    per_length: f64,
+    square_radius: f64,
+}
+
 /// One cluster's pose space.
 #[derive(Clone, Copy)]
 pub(crate) struct PoseSpace<'a> {
@@ -38,7 +45,7 @@ pub(crate) struct PoseSpace<'a> {
     pub envelope_count: u32,
     bone_envelopes: &'a [BoneEnvelopeRow],
     morph_envelopes: &'a [MorphEnvelopeRow],
-    lengths: &'a [f64],
+    lines: &'a [Line],
 }
 
 /// One envelope of a cluster.
@@ -48,8 +55,10 @@ pub(crate) struct Envelope<'a> {
     pub bones: &'a [BoneEnvelopeRow],
     /// Per morph target of the cluster.
     pub morphs: &'a [MorphEnvelopeRow],
-    /// One over the squared length of its line, zero where it has none.
+    /// One over the squared length of its line from the middle to an end, zero where it has none.
     pub per_length: f64,
+    /// No pose that it holds is farther from its center, in lengths by which numbers displace vertices, squared.
+    pub square_radius: f64,
 }
 
 impl PoseSpaces {
@@ -65,20 +74,11 @@ impl PoseSpaces {
             out.movers
                 .extend(others.map(|(row, lever)| Mover::new(row.bone as usize, lever)));
             out.movers_of.push(first..out.movers.len());
-            out.length_first.push(out.lengths.len());
+            out.line_first.push(out.lines.len());
             let movers = &out.movers[first..];
             let rows = &model.bone_envelopes[space.bone_envelope_first as usize..];
-            out.lengths.extend((0..space.envelope_count as usize).map(|envelope| {
-                let rows = &rows[envelope * movers.len()..][..movers.len()];
-                let square = |(mover, row): (&Mover, &BoneEnvelopeRow)| {
-                    let square =
-                        |n: usize| f64::from(row.direction[n]) * f64::from(row.direction[n]) * mover.squares[n];
-                    (0..12).map(square).sum::<f64>()
-                };
-                let per_length = 1.0 / movers.iter().zip(rows).map(square).sum::<f64>();
-                // Without a line every place on it is the same.
-                if per_length.is_finite() { per_length } else { 0.0 }
-            }));
+            let rows = (0..space.envelope_count as usize).map(|at| &rows[at * movers.len()..][..movers.len()]);
+            out.lines.extend(rows.map(|rows| Line::new(movers, rows)));
         }
         out
     }
@@ -95,7 +95,7 @@ impl PoseSpaces {
             envelope_count: row.envelope_count,
             bone_envelopes: &model.bone_envelopes[row.bone_envelope_first as usize..][..envelopes * movers.len()],
             morph_envelopes: &model.morph_envelopes[row.morph_envelope_first as usize..][..envelopes * morphs],
-            lengths: &self.lengths[self.length_first[cluster]..][..envelopes],
+            lines: &self.lines[self.line_first[cluster]..][..envelopes],
         })
     }
 }
@@ -107,7 +107,29 @@ impl<'a> PoseSpace<'a> {
         Envelope {
             bones: &self.bone_envelopes[number * bones..][..bones],
             morphs: &self.morph_envelopes[number * morphs..][..morphs],
-            per_length: self.lengths[number],
+            per_length: self.lines[number].per_length,
+            square_radius: self.lines[number].square_radius,
+        }
+    }
+}
+
+impl Line {
+    fn new(movers: &[Mover], rows: &[BoneEnvelopeRow]) -> Self {
+        /// Covers the roundings of a distance in `f64`, with room to spare.
+        const SLACK: f64 = 1.0 + 1.0 / (1u64 << 20) as f64;
+        let square = |of: fn(&BoneEnvelopeRow) -> &[f32; 12]| {
+            let bones = movers.iter().zip(rows);
+            let squares = bones.flat_map(|(mover, row)| {
+                (0..12).map(move |n| f64::from(of(row)[n]) * f64::from(of(row)[n]) * mover.squares[n])
+            });
+            squares.sum::<f64>()
+        };
+        let (length, reach) = (square(|row| &row.direction), square(|row| &row.reach));
+        let radius = length.sqrt() + reach.sqrt();
+        Self {
+            // Without a line every place on it is the same.
+            per_length: Some(1.0 / length).filter(|x| x.is_finite()).unwrap_or(0.0),
+            square_radius: radius * radius * SLACK,
         }
     }
 }

@@ -13,9 +13,16 @@ use crate::{
 use bytemuck::Zeroable;
 use restpose_formats::{
     Model,
-    geom::round::{f32_above, f32_below},
+    geom::{
+        Aabb,
+        round::{f32_above, f32_below},
+    },
     rows::{BoneEnvelopeRow, ClusterMorphRow, LeverRow, MorphEnvelopeRow, PoseSpaceRow},
 };
+
+/// Poses that displace no vertex by more than this part of a triangle's size against each other need no envelopes of
+/// their own: these would hardly make its box smaller.
+const ENOUGH: f64 = 0.1;
 
 /// The poses that boxes are made for.
 pub(crate) struct Poses<'a> {
@@ -75,10 +82,11 @@ impl ClusterSpace {
         };
         let for_clips = most.saturating_sub(usize::from(!random.is_empty())).max(1);
         let places: Vec<Vec<f64>> = of_clips.iter().map(|stretch| out.place(stretch, &levers)).collect();
-        let mut groups: Vec<Vec<&Stretch>> = nearest_groups(&places, for_clips)
-            .into_iter()
-            .map(|group| group.into_iter().map(|at| &of_clips[at]).collect())
-            .collect();
+        let mut groups: Vec<Vec<&Stretch>> =
+            nearest_groups(&places, for_clips, ENOUGH * triangle_size(model, triangles))
+                .into_iter()
+                .map(|group| group.into_iter().map(|at| &of_clips[at]).collect())
+                .collect();
         if most == 1 && !groups.is_empty() {
             groups[0].extend(random);
         } else if !random.is_empty() {
@@ -229,4 +237,17 @@ impl Stretch {
             .all(|x| x.abs() < LIMIT);
         in_range.then_some(Self { chord, morphs })
     }
+}
+
+/// The mean side of the triangles' boxes in the rest pose.
+fn triangle_size(model: &Model, triangles: &[u32]) -> f64 {
+    let side = |triangle: &u32| {
+        let corners = model.triangles[*triangle as usize].corners;
+        let bounds = Aabb::around(corners.map(|corner| model.vertices[corner as usize].position_rest));
+        (0..3)
+            .map(|k| f64::from(bounds.max[k]) - f64::from(bounds.min[k]))
+            .sum::<f64>()
+            / 3.0
+    };
+    triangles.iter().map(side).sum::<f64>() / triangles.len().max(1) as f64
 }
