@@ -11,4 +11,4 @@ mod scenes;
 pub use dyadic::Dyadic;
 pub use random_animation::{Recipe, random_animation};
 pub use random_cache::{CacheRecipe, Motion, random_cache};
-pub use scenes::{baked_asset, sample_scenes, source_scenes};
+pub use scenes::{baked_asset, baked_with, sample_scenes, source_scenes};

@@ -4,14 +4,14 @@
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use restpose_bake::{
-    BakeSettings, LimitSettings, NoProgress, PoseSpace, bake,
+    BakeSettings, LimitSettings, PoseSpace,
     import::{Animation, import},
-    verify::{PoseSource, Poses},
+    verify::{DrawnPose, PoseSource, Poses},
 };
 use restpose_formats::{Bounds, ModelView, rows::ClusterRow};
 use restpose_runtime::{Affine, Asset, Scene};
 use restpose_tests::{
-    Recipe,
+    Recipe, baked_with,
     escapes::{Escape, escapes},
     random_animation, sample_scenes,
 };
@@ -26,8 +26,7 @@ fn baked(animation: &Animation, pose_space: PoseSpace, envelopes: usize) -> Arc<
         sample_step_seconds: 0.125,
         ..BakeSettings::default()
     };
-    let baked = bake(animation, &settings, &NoProgress).unwrap();
-    Arc::new(Asset::from_bytes(&restpose_formats::write(&baked.model).unwrap()).unwrap())
+    baked_with(animation, &settings)
 }
 
 /// What was compared, so that a test that compares nothing fails.
@@ -42,7 +41,7 @@ fn compare(name: &str, animation: &Animation, asset: &Arc<Asset>, source: PoseSo
     let model = asset.model();
     let mut poses = Poses::new(animation, model, source, 4, count);
     let drawn: Vec<_> = (0..count).map(|index| poses.pose(index)).collect();
-    let of_pose = |pose: &restpose_bake::verify::DrawnPose| {
+    let of_pose = |pose: &DrawnPose| {
         let mut scene = Scene::new();
         let instance = scene.add(asset);
         pose.set(&mut scene, instance).unwrap();
