@@ -47,7 +47,7 @@ fn recipe(seed: u64) -> Recipe {
         joints: random.usize(2..6),
         scale: 10f32.powi(random.i32(-6..=6)),
         offset: [0.0, 0.0, 1.0, 1e3][random.usize(..4)],
-        wild_scales: seed % 5 == 0,
+        wild_scales: seed.is_multiple_of(5),
         morph_targets: random.usize(..3),
     }
 }

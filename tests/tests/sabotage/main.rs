@@ -10,6 +10,9 @@ use restpose_runtime::{Asset, Ray, Scene};
 use restpose_tests::escapes::Escaped;
 use tight_file::{ENDS, Range, STILL, Stretched, baked, opened, split_at, tight};
 
+/// Breaks a file.
+type Sabotage = fn(&mut Model);
+
 fn escaped(model: &Model, poses: &[Stretched]) -> Vec<Escaped> {
     let found = poses.iter().flat_map(|pose| pose.escapes(model, |excess| excess));
     let mut out: Vec<Escaped> = found.map(|escape| escape.from).collect();
@@ -24,7 +27,7 @@ fn a_face_or_plane_one_ulp_inwards_is_seen() {
         let intact = tight(range);
         assert_eq!(escaped(&intact, &ENDS), []);
 
-        let sabotages: [(&str, fn(&mut Model), Escaped); 8] = [
+        let sabotages: [(&str, Sabotage, Escaped); 8] = [
             (
                 "bounds max",
                 |model| inwards(&mut model.clusters[0].bounds_local.max[0]),
@@ -134,7 +137,7 @@ fn a_pose_space_one_ulp_larger_than_its_boxes_is_seen() {
         own: 2f32.powi(-24),
         ..ENDS[0]
     };
-    let sabotages: [(&str, Range, fn(&mut Model), Stretched); 6] = [
+    let sabotages: [(&str, Range, Sabotage, Stretched); 6] = [
         (
             "reach",
             Range::Reach,
@@ -184,7 +187,7 @@ fn a_pose_space_one_ulp_larger_than_its_boxes_is_seen() {
 /// Levers are not the baker's word alone: a file with one that is too short is refused.
 #[test]
 fn a_lever_one_ulp_shorter_is_refused() {
-    let sabotages: [(SectionKind, &str, fn(&mut Model)); 4] = [
+    let sabotages: [(SectionKind, &str, Sabotage); 4] = [
         (SectionKind::Levers, "lever[0]", |model| {
             inwards(&mut other_lever(model).lever[0])
         }),
