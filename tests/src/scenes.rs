@@ -51,10 +51,19 @@ fn gltf_files(folder: &Path) -> Vec<PathBuf> {
 #[must_use]
 pub fn baked_asset(path: &Path) -> (Animation, Arc<Asset>) {
     let animation = import(path).unwrap_or_else(|error| panic!("{error}")).animation;
-    let baked = bake(&animation, &BakeSettings::default(), &NoProgress).unwrap_or_else(|error| panic!("{error}"));
+    let asset = baked_with(&animation, &BakeSettings::default());
+    (animation, asset)
+}
+
+/// Bakes an animation, through the bytes of its file.
+///
+/// # Panics
+/// When that fails.
+#[must_use]
+pub fn baked_with(animation: &Animation, settings: &BakeSettings) -> Arc<Asset> {
+    let baked = bake(animation, settings, &NoProgress).unwrap_or_else(|error| panic!("{error}"));
     let bytes = restpose_formats::write(&baked.model).unwrap_or_else(|error| panic!("{error}"));
-    let asset = Asset::from_bytes(&bytes).unwrap_or_else(|error| panic!("{error}"));
-    (animation, Arc::new(asset))
+    Arc::new(Asset::from_bytes(&bytes).unwrap_or_else(|error| panic!("{error}")))
 }
 
 /// Bakes an animation with samples every quarter of a second and at its keys, through the bytes of its file.

@@ -1,11 +1,17 @@
 //! Frames after the first, and rays, allocate nothing.
 #![expect(unsafe_code, reason = "a global allocator that counts is an unsafe trait")]
 
-use restpose_runtime::{Affine, Ray, Scene};
-use restpose_tests::{baked_asset, sample_scenes};
+use restpose_bake::{
+    BakeSettings,
+    verify::{DrawnPose, PoseSource, Poses},
+};
+use restpose_formats::Bounds;
+use restpose_runtime::{Affine, Asset, Ray, Scene};
+use restpose_tests::{baked_asset, baked_with, sample_scenes};
 use std::{
     alloc::{GlobalAlloc, Layout, System},
     cell::Cell,
+    sync::Arc,
 };
 
 struct Counting;
@@ -37,51 +43,65 @@ static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn frames_and_rays_allocate_nothing_once_warm() {
+    let mut outside = 0;
     for path in sample_scenes() {
-        let (_, asset) = baked_asset(&path);
-        let model = asset.model();
-        let mut scene = Scene::new();
-        let instances = [scene.add(&asset), scene.add(&asset)];
-        let samples: Vec<_> = model
-            .samples
-            .iter()
-            .filter(|sample| (sample.clip as usize) < model.clips.len())
-            .collect();
-        let target = scene.commit().bounds().center();
-        let target = [target[0] + 1.0, target[1], target[2]];
-        // The first lap may grow buffers: a top level of overlapping clusters has more references than a loose one.
-        for lap in 0..2 {
-            let before = ALLOCATIONS.with(Cell::get);
-            let mut hits = 0;
-            for (step, sample) in samples.iter().enumerate() {
-                for (instance, side) in instances.into_iter().zip([-1.0, 1.0]) {
-                    scene
-                        .set_transform(instance, Affine::from_translation([side, 0.0, 0.0]))
-                        .unwrap();
-                    scene.play(instance, sample.clip as usize, sample.seconds).unwrap();
-                }
-                let frame = scene.commit();
-                for ray in 0..20 {
-                    let x = ray as f32 * 0.1 - 1.0 + step as f32 * 1e-3;
-                    let ray = Ray::between([target[0] + x, 10.0, 10.0], target);
-                    hits += u32::from(
-                        frame
-                            .closest_hit(&Ray {
-                                t_max: f32::INFINITY,
-                                ..ray
-                            })
-                            .is_some(),
-                    );
-                    hits += u32::from(frame.any_hit(&ray));
-                }
-            }
-            let allocated = ALLOCATIONS.with(Cell::get) - before;
-            assert!(hits > 0, "{}", path.display());
-            assert!(
-                lap == 0 || allocated == 0,
-                "{}: {allocated} allocations",
-                path.display()
-            );
+        let (animation, sampled) = baked_asset(&path);
+        let settings = BakeSettings {
+            bounds: Bounds::Envelope,
+            ..BakeSettings::default()
+        };
+        let enveloped = baked_with(&animation, &settings);
+        for (asset, source, count) in [
+            (&sampled, PoseSource::Samples, sampled.model().samples.len() as u64),
+            (&enveloped, PoseSource::Clips, 40),
+            (&enveloped, PoseSource::Random, 44),
+        ] {
+            let mut poses = Poses::new(&animation, asset.model(), source, 2, count);
+            let poses: Vec<DrawnPose> = (0..count).map(|index| poses.pose(index)).collect();
+            outside += assert_allocates_nothing(&format!("{}, {source:?}", path.display()), asset, &poses);
         }
     }
+    assert!(outside > 0, "poses outside of their envelopes are among these");
+}
+
+/// Returns the clusters that were outside of their pose space.
+#[track_caller]
+fn assert_allocates_nothing(name: &str, asset: &Arc<Asset>, poses: &[DrawnPose]) -> u32 {
+    let mut scene = Scene::new();
+    let instances = [scene.add(asset), scene.add(asset)];
+    let target = scene.commit().bounds().center();
+    let target = [target[0] + 1.0, target[1], target[2]];
+    let mut outside = 0;
+    // The first lap may grow buffers: a top level of overlapping clusters has more references than a loose one.
+    for lap in 0..2 {
+        let before = ALLOCATIONS.with(Cell::get);
+        let mut hits = 0;
+        for (step, pose) in poses.iter().enumerate() {
+            for (instance, side) in instances.into_iter().zip([-1.0, 1.0]) {
+                scene
+                    .set_transform(instance, Affine::from_translation([side, 0.0, 0.0]))
+                    .unwrap();
+                pose.set(&mut scene, instance).unwrap();
+            }
+            let frame = scene.commit();
+            outside += frame.stats().clusters_outside;
+            for ray in 0..20 {
+                let x = ray as f32 * 0.1 - 1.0 + step as f32 * 1e-3;
+                let ray = Ray::between([target[0] + x, 10.0, 10.0], target);
+                hits += u32::from(
+                    frame
+                        .closest_hit(&Ray {
+                            t_max: f32::INFINITY,
+                            ..ray
+                        })
+                        .is_some(),
+                );
+                hits += u32::from(frame.any_hit(&ray));
+            }
+        }
+        let allocated = ALLOCATIONS.with(Cell::get) - before;
+        assert!(hits > 0, "{name}");
+        assert!(lap == 0 || allocated == 0, "{name}: {allocated} allocations");
+    }
+    outside
 }

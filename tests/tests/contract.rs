@@ -2,12 +2,13 @@
 
 use proptest::{prelude::*, test_runner::RngSeed};
 use restpose_bake::{
-    BakeSettings, NoProgress, bake,
+    BakeSettings, LimitSettings, NoProgress, PoseSpace,
     import::Animation,
-    verify::{Oracle, Rays, VerifyReport, VerifySettings, verify},
+    verify::{Oracle, PoseSource, Rays, VerifyReport, VerifySettings, verify},
 };
+use restpose_formats::Bounds;
 use restpose_runtime::{Affine, Asset, Hit, Ray, Scene};
-use restpose_tests::{Recipe, baked_asset, random_animation, source_scenes};
+use restpose_tests::{Recipe, baked_asset, baked_with, random_animation, source_scenes};
 use std::sync::Arc;
 
 /// Vertices are evaluated in `f64` and rounded to `f32` a few times; eight chained roundings of numbers a few times the
@@ -20,56 +21,65 @@ fn hits_equal_brute_force_on_every_scene() {
     assert!(!scenes.is_empty(), "the bundled samples are part of the repository");
     for path in scenes {
         let (animation, asset) = baked_asset(&path);
-        let settings = VerifySettings {
-            rays: 20_000,
-            poses: 24,
-            pose_source: None,
-            seed: 7,
+        let name = path.display().to_string();
+        assert_equals_brute_force(&name, &animation, &asset);
+        let settings = BakeSettings {
+            bounds: Bounds::Envelope,
+            ..BakeSettings::default()
         };
-        let report = verify(&asset, &animation, &settings, &NoProgress).unwrap();
-        assert_eq!(
-            (report.missed, report.wrong),
-            (0, 0),
-            "{}: {:#?}",
-            path.display(),
-            report.failures
-        );
-        assert!(
-            report.hits > report.rays / 5,
-            "{}: {} of {} rays hit",
-            path.display(),
-            report.hits,
-            report.rays
-        );
-        assert!(
-            report.max_vertex_error < VERTEX_TOLERANCE,
-            "{}: {}",
-            path.display(),
-            report.max_vertex_error
-        );
+        let name = format!("{name}, envelopes");
+        assert_equals_brute_force(&name, &animation, &baked_with(&animation, &settings));
     }
 }
 
-fn verify_random(animation: &Animation, rays: u64) -> VerifyReport {
+/// In the poses that the file was baked for: samples, or clips at any time.
+#[track_caller]
+fn assert_equals_brute_force(name: &str, animation: &Animation, asset: &Arc<Asset>) {
+    let settings = VerifySettings {
+        rays: 20_000,
+        poses: 24,
+        pose_source: None,
+        seed: 7,
+    };
+    let report = verify(asset, animation, &settings, &NoProgress).unwrap();
+    let expected = match asset.model().meta.bounds {
+        Bounds::Sampled => PoseSource::Samples,
+        Bounds::Envelope => PoseSource::Clips,
+    };
+    assert_eq!(report.pose_source, expected);
+    let found = (report.missed, report.wrong);
+    assert_eq!(found, (0, 0), "{name}: {:#?}", report.failures);
+    assert!(
+        report.hits > report.rays / 5,
+        "{name}: {} of {} rays hit",
+        report.hits,
+        report.rays
+    );
+    assert!(
+        report.max_vertex_error < VERTEX_TOLERANCE,
+        "{name}: {}",
+        report.max_vertex_error
+    );
+}
+
+fn verify_random(
+    animation: &Animation,
+    settings: &BakeSettings,
+    source: Option<PoseSource>,
+    rays: u64,
+) -> VerifyReport {
     let settings = BakeSettings {
         sample_step_seconds: 0.125,
-        ..BakeSettings::default()
+        ..settings.clone()
     };
-    let baked = bake(animation, &settings, &NoProgress).unwrap();
-    let bytes = restpose_formats::write(&baked.model).unwrap();
-    let asset = Arc::new(Asset::from_bytes(&bytes).unwrap());
-    verify(
-        &asset,
-        animation,
-        &VerifySettings {
-            rays,
-            poses: 6,
-            pose_source: None,
-            seed: 3,
-        },
-        &NoProgress,
-    )
-    .unwrap()
+    let asset = baked_with(animation, &settings);
+    let settings = VerifySettings {
+        rays,
+        poses: if source.is_some() { 22 } else { 6 },
+        pose_source: source,
+        seed: 3,
+    };
+    verify(&asset, animation, &settings, &NoProgress).unwrap()
 }
 
 proptest! {
@@ -86,13 +96,49 @@ proptest! {
         wild_scales in any::<bool>(),
         morph_targets in 0usize..3,
     ) {
-        // With wild scales the hierarchy multiplies lengths by up to 40 per joint.
-        let exponent = if wild_scales { exponent / 3 } else { exponent };
-        let scale = 10f32.powi(if offset > 10.0 { exponent / 2 } else { exponent });
+        let scale = unit(exponent, offset, wild_scales);
         let recipe = Recipe { seed, vertices, joints, scale, offset, wild_scales, morph_targets };
-        let report = verify_random(&random_animation(&recipe), 1_000);
+        let report = verify_random(&random_animation(&recipe), &BakeSettings::default(), None, 1_000);
         prop_assert_eq!((report.missed, report.wrong), (0, 0), "{:?}: {:#?}", recipe, report.failures);
     }
+
+    /// With envelopes in every pose, of the clips or far outside of them.
+    #[test]
+    fn hits_equal_brute_force_in_any_pose_of_random_animations(
+        seed in any::<u64>(),
+        vertices in 3usize..40,
+        joints in 1usize..7,
+        exponent in -30i32..=30,
+        offset in prop_oneof![Just(0.0f32), Just(10.0), Just(1e4), Just(1e7)],
+        wild_scales in any::<bool>(),
+        morph_targets in 0usize..3,
+        envelopes in prop_oneof![Just(1usize), Just(2), Just(16)],
+        pose_space in prop_oneof![
+            Just(PoseSpace::Clips),
+            Just(PoseSpace::Arbitrary),
+            Just(PoseSpace::Limits(LimitSettings::default())),
+            Just(PoseSpace::Clip("clip".to_owned())),
+        ],
+        source in prop_oneof![Just(PoseSource::Clips), Just(PoseSource::Random), Just(PoseSource::Random)],
+    ) {
+        let scale = unit(exponent, offset, wild_scales);
+        let recipe = Recipe { seed, vertices, joints, scale, offset, wild_scales, morph_targets };
+        let settings = BakeSettings {
+            bounds: Bounds::Envelope,
+            pose_samples: pose_space.is_random().then_some(30),
+            pose_space,
+            envelopes,
+            ..BakeSettings::default()
+        };
+        let report = verify_random(&random_animation(&recipe), &settings, Some(source), 1_100);
+        prop_assert_eq!((report.missed, report.wrong), (0, 0), "{:?}, {:?}: {:#?}", recipe, settings, report.failures);
+    }
+}
+
+/// Unit of a recipe's lengths: with wild scales the hierarchy multiplies them by up to 40 per joint.
+fn unit(exponent: i32, offset: f32, wild_scales: bool) -> f32 {
+    let exponent = if wild_scales { exponent / 3 } else { exponent };
+    10f32.powi(if offset > 10.0 { exponent / 2 } else { exponent })
 }
 
 /// Several instances of two assets that overlap, under transforms: hits, batches and any-hit answers agree with brute

@@ -1,11 +1,12 @@
 //! Same input, same bytes and same hits, whatever the number of threads.
 
 use restpose_bake::{
-    BakeSettings, NoProgress, bake,
+    BakeSettings, NoProgress, PoseSpace, bake,
     import::import,
     subdivide::subdivide,
     verify::{Oracle, Rays},
 };
+use restpose_formats::Bounds;
 use restpose_runtime::{Hit, Ray, Scene};
 use restpose_tests::{baked_asset, source_scenes};
 
@@ -22,13 +23,24 @@ fn bakes_are_the_same_bytes_on_one_and_two_threads() {
     for path in source_scenes() {
         // Subdivided so that there is more than one task of triangles.
         let animation = subdivide(&import(&path).unwrap().animation, 1);
-        let bytes = |threads| {
-            on_threads(threads, || {
-                restpose_formats::write(&bake(&animation, &BakeSettings::default(), &NoProgress).unwrap().model)
-                    .unwrap()
-            })
-        };
-        assert!(bytes(1) == bytes(2), "{}", path.display());
+        for (bounds, pose_space) in [
+            (Bounds::Sampled, PoseSpace::Clips),
+            (Bounds::Envelope, PoseSpace::Clips),
+            (Bounds::Envelope, PoseSpace::Arbitrary),
+        ] {
+            let settings = BakeSettings {
+                bounds,
+                pose_samples: pose_space.is_random().then_some(50),
+                pose_space,
+                ..BakeSettings::default()
+            };
+            let bytes = |threads| {
+                on_threads(threads, || {
+                    restpose_formats::write(&bake(&animation, &settings, &NoProgress).unwrap().model).unwrap()
+                })
+            };
+            assert!(bytes(1) == bytes(2), "{}, {settings:?}", path.display());
+        }
     }
 }
 

@@ -53,6 +53,10 @@ pub struct FamilyReport {
     pub clusters: u64,
     /// Of these, clusters whose frame had no usable inverse.
     pub clusters_without_inverse: u64,
+    /// Of these, clusters whose pose was outside the pose space that their boxes were made for; 0 with sampled bounds.
+    pub clusters_outside: u64,
+    /// Largest length by which a cluster's boxes were widened for that, in its rest space.
+    pub largest_excess: f32,
 }
 
 /// A ray whose hit is not the oracle's, and the pose: the same file, pose source, seed and number of poses pose it again.
@@ -115,6 +119,8 @@ impl VerifyReport {
             family.wrong += self.wrong - before.3;
             family.clusters += u64::from(stats.clusters);
             family.clusters_without_inverse += u64::from(stats.clusters_without_inverse);
+            family.clusters_outside += u64::from(stats.clusters_outside);
+            family.largest_excess = family.largest_excess.max(stats.largest_excess);
         }
     }
 }
@@ -131,6 +137,8 @@ impl FamilyReport {
             wrong: 0,
             clusters: 0,
             clusters_without_inverse: 0,
+            clusters_outside: 0,
+            largest_excess: 0.0,
         }
     }
 }

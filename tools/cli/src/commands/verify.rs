@@ -116,7 +116,7 @@ fn text(verified: &VerifyReport, cache_count: usize) -> String {
     lines.join("\n")
 }
 
-fn families(verified: &VerifyReport) -> Table<8> {
+fn families(verified: &VerifyReport) -> Table<10> {
     let mut table = Table::new([
         "family",
         "poses",
@@ -126,6 +126,8 @@ fn families(verified: &VerifyReport) -> Table<8> {
         "wrong",
         "clusters",
         "without inverse",
+        "outside",
+        "largest excess",
     ]);
     for found in &verified.families {
         let numbers = [
@@ -136,12 +138,14 @@ fn families(verified: &VerifyReport) -> Table<8> {
             found.wrong,
             found.clusters,
             found.clusters_without_inverse,
+            found.clusters_outside,
         ];
         let mut row = std::array::from_fn(|_| found.family.name().to_owned());
         row[1..]
             .iter_mut()
             .zip(numbers)
             .for_each(|(cell, number)| *cell = number.to_string());
+        row[9] = format!("{:.2e}", found.largest_excess);
         table.add(row);
     }
     table

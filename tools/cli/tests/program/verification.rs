@@ -198,6 +198,39 @@ fn sampled_boxes_fail_in_other_poses_and_the_message_says_why() {
 }
 
 #[test]
+fn envelopes_hold_in_other_poses_and_families_say_how_far_these_are() {
+    let folder = folder();
+    let source = sample("walker.glb");
+    let source = source.to_str().expect("text");
+    restpose(
+        folder.path(),
+        ["bake", source, "-o", "walker.rpose", "--bounds", "envelope"],
+    )
+    .succeeded();
+    let arguments = ["verify", "walker.rpose", source, "--rays", "2000", "--poses", "20"];
+    let arguments = arguments.iter().chain(&["--pose-source", "random"]);
+    let json = restpose(folder.path(), arguments.clone().chain(&["--json"]))
+        .succeeded()
+        .json();
+    assert_eq!((&json["passed"], &json["bounds"]), (&true.into(), &"envelope".into()));
+    for family in json["families"].as_array().expect("a list") {
+        let outside = family["clusters_outside"].as_u64().expect("a count");
+        assert!(
+            outside > 0 && outside <= family["clusters"].as_u64().expect("a count"),
+            "{family}"
+        );
+        assert!(
+            family["largest_excess"].as_f64().is_some_and(|excess| excess > 0.0),
+            "{family}"
+        );
+    }
+    let text = restpose(folder.path(), arguments).succeeded().stdout;
+    for words in [" outside ", " largest excess"] {
+        assert!(text.contains(words), "{words:?}: {text}");
+    }
+}
+
+#[test]
 fn unknown_pose_sources_are_refused() {
     let folder = folder();
     baked_door(folder.path());
