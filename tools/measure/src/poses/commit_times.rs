@@ -4,8 +4,8 @@ use restpose_bake::verify::BonePose;
 use restpose_runtime::{InstanceId, Scene};
 use std::time::Instant;
 
-/// Passes over the poses that are timed. A commit takes microseconds; the median of this many is steady.
-const PASSES: usize = 20;
+/// Passes over the poses that are timed: the median of so many is steady.
+const PASSES: usize = 9;
 
 /// Microseconds of `commit`.
 #[derive(Clone, Copy, Debug, Default)]
