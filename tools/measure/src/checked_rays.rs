@@ -39,9 +39,7 @@ impl CheckedRays {
         };
         out.compare("the static tree", &twin_hits)?;
 
-        let most = (BRUTE_FORCE_TESTS / oracle.triangle_count().max(1)).max(FEWEST_BRUTE_FORCE_RAYS);
-        let step = out.rays.len().div_ceil(most).max(1);
-        let subset: Vec<usize> = (0..out.rays.len()).step_by(step).collect();
+        let subset = brute_force_subset(out.rays.len(), oracle);
         let expected: Vec<Option<Hit>> = subset
             .par_iter()
             .map(|index| oracle.closest_hit(&out.rays[*index]))
@@ -82,7 +80,14 @@ impl CheckedRays {
     }
 }
 
-fn counted(frame: Frame, rays: &[Ray]) -> (Vec<Option<Hit>>, TraceCounters) {
+/// Which of `count` rays are compared with brute force: as many as there is time for, spread evenly.
+pub(crate) fn brute_force_subset(count: usize, oracle: &Oracle) -> Vec<usize> {
+    let most = (BRUTE_FORCE_TESTS / oracle.triangle_count().max(1)).max(FEWEST_BRUTE_FORCE_RAYS);
+    (0..count).step_by(count.div_ceil(most).max(1)).collect()
+}
+
+/// The hits of all rays, on all threads, and the sum of what they cost.
+pub(crate) fn counted(frame: Frame, rays: &[Ray]) -> (Vec<Option<Hit>>, TraceCounters) {
     let one = |ray: &Ray| {
         let mut counters = TraceCounters::default();
         (frame.closest_hit_counted(ray, &mut counters), counters)

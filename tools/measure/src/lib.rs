@@ -10,11 +10,13 @@ mod peak_memory;
 mod place;
 mod plot;
 mod posed_rays;
+pub mod poses;
 mod ray_cost;
 mod ray_sums;
 mod spread;
 mod static_twin;
 mod statistics;
+mod subdivision_limit;
 mod thread_pools;
 mod view;
 

@@ -10,6 +10,18 @@ pub enum Place {
         /// Row of the sample section.
         sample: usize,
     },
+    /// A pose of a kind.
+    #[error("subdivided {subdivisions} times, {kind} pose {pose}, {rays} rays")]
+    Drawn {
+        /// Times that the source's triangles were split into four.
+        subdivisions: u32,
+        /// Kind of the pose.
+        kind: &'static str,
+        /// Its number among those of its kind.
+        pose: usize,
+        /// Kind of the rays.
+        rays: &'static str,
+    },
     /// A time of the clip.
     #[error("at {seconds} s")]
     Time {

@@ -84,7 +84,7 @@ impl PosedRays {
 }
 
 /// The corners of all triangles.
-fn corners(frame: &Frame, instance: InstanceId, asset: &Asset) -> Vec<[f32; 3]> {
+pub(crate) fn corners(frame: &Frame, instance: InstanceId, asset: &Asset) -> Vec<[f32; 3]> {
     let corners = asset.model().triangles.iter().flat_map(|row| row.corners);
     corners.filter_map(|vertex| frame.vertex(instance, vertex)).collect()
 }

@@ -22,6 +22,9 @@ pub enum MeasureTable {
     /// A keyframed animation's clusters, and its rays beside a kd-tree rebuilt for every frame
     #[command(after_help = ExitCode::table())]
     Motion(MotionArgs),
+    /// Pose spaces, ways to bound their boxes, preprocessing, and what sampling loses
+    #[command(after_help = ExitCode::table())]
+    Poses(PosesArgs),
 }
 
 /// Options of `measure frame`.
@@ -83,4 +86,33 @@ pub struct MotionArgs {
     /// baker decides]
     #[arg(long = "class", value_name = "PART=CLASS", help_heading = "Motion classes")]
     pub classes: Vec<ClassOverride>,
+}
+
+/// Options of `measure poses`.
+#[derive(Debug, Args)]
+pub struct PosesArgs {
+    /// glTF 2.0 files (.gltf or .glb) with clips, a scene each
+    #[arg(required = true, value_name = "SCENE")]
+    pub scenes: Vec<PathBuf>,
+    /// Folder for poses.html (tables and plots) and poses.json; made if missing [default: no files]
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+    /// Clip of the pose space that holds only one: its name, or its number in the source [default: the first]
+    #[arg(long, value_name = "NAME")]
+    pub clip: Option<String>,
+    /// Rays of each kind, camera and random, per pose; 1 to 16777216
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
+    pub rays: u32,
+    /// Poses of each kind, 1 to 10000: clips between samples, blends of clips, ragdolls
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = |text: &str| values::count(text, 10_000))]
+    pub poses: usize,
+    /// Measure the mesh subdivided 0 to MAX times, MAX from 0 to 5; each time has four times the triangles
+    #[arg(long, value_name = "MAX", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=5))]
+    pub levels: u32,
+    /// Times that each set of rays is timed, 1 or more; medians count
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    pub repeats: u32,
+    /// Seed of random poses and rays, any whole number from 0
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
 }

@@ -14,7 +14,7 @@ mod verify;
 pub use bake::BakeArgs;
 pub use demo::DemoArgs;
 pub use file::{InfoArgs, ValidateArgs};
-pub use measure::{FrameArgs, MeasureArgs, MeasureTable, MotionArgs};
+pub use measure::{FrameArgs, MeasureArgs, MeasureTable, MotionArgs, PosesArgs};
 pub use poses::{BoundsKind, PoseArgs, PoseSpaceKind};
 pub use render::{RenderArgs, SamplesPerPixel, View};
 pub use values::{Size, Vector};

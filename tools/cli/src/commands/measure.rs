@@ -1,6 +1,6 @@
 use super::Context;
 use crate::{
-    args::{FrameArgs, MeasureArgs, MeasureTable, MotionArgs},
+    args::{FrameArgs, MeasureArgs, MeasureTable, MotionArgs, PosesArgs},
     exit_code::ExitCode,
     failure::Failure,
     input_file,
@@ -15,6 +15,7 @@ use restpose_measure::{
     MeasureError,
     frame::{self, FrameReport, FrameSettings, measure_frame},
     motion::{self, MotionReport, MotionSettings, measure_motion},
+    poses::{self, PosesReport, PosesSettings, TextRow, measure_poses},
 };
 use serde::Serialize;
 use std::{
@@ -35,6 +36,7 @@ pub fn run(args: &MeasureArgs, context: &Context) -> Result<Answer, Failure> {
     match &args.table {
         MeasureTable::Frame(args) => frame(args, context),
         MeasureTable::Motion(args) => motion(args, context),
+        MeasureTable::Poses(args) => poses(args, context),
     }
 }
 
@@ -84,6 +86,39 @@ fn motion(args: &MotionArgs, context: &Context) -> Result<Answer, Failure> {
         .map_err(|error| failure(source_files::first(&args.inputs), error))?;
     let files = write("motion", &measured, &motion::page(&measured), folder)?;
     answer(&measured, motion_lines(&measured), &files, context)
+}
+
+fn poses(args: &PosesArgs, context: &Context) -> Result<Answer, Failure> {
+    source_files::check(&args.scenes)?;
+    let folder = args.output.as_deref().map(OutputFolder::prepare).transpose()?;
+    let settings = PosesSettings {
+        rays: args.rays,
+        poses: args.poses,
+        levels: args.levels,
+        clip: args.clip.clone(),
+        repeats: args.repeats,
+        seed: args.seed,
+    };
+    let mut measured: Option<PosesReport> = None;
+    for path in &args.scenes {
+        if args.scenes.len() > 1 {
+            context.reporter.set_label(&path.display().to_string());
+        }
+        context.reporter.stage("import", 0);
+        let source = import(path).map_err(|error| Failure::import(path, error))?;
+        let own =
+            measure_poses(&source.animation, &settings, &context.reporter).map_err(|error| failure(path, error))?;
+        match &mut measured {
+            Some(all) => all.append(own),
+            None => measured = Some(own),
+        }
+    }
+    // The command line has at least one scene.
+    let Some(measured) = measured else {
+        return Err(Failure::new(ExitCode::CommandLine, "no scene given".to_owned()));
+    };
+    let files = write("poses", &measured, &poses::page(&measured), folder)?;
+    answer(&measured, poses_lines(&measured), &files, context)
 }
 
 fn answer(
@@ -149,4 +184,29 @@ fn motion_lines(measured: &MotionReport) -> Vec<String> {
     let mut lines = vec![table.to_string(), String::new(), motion::LEGEND.to_owned()];
     lines.extend(measured.facts());
     lines
+}
+
+fn poses_lines(measured: &PosesReport) -> Vec<String> {
+    [
+        rows_lines(&measured.pose_spaces),
+        rows_lines(&measured.thesis_pose_spaces),
+        rows_lines(&measured.bounds),
+        rows_lines(&measured.tessellations),
+        rows_lines(&measured.thesis_tessellations),
+        rows_lines(&measured.accuracy),
+    ]
+    .concat()
+}
+
+fn rows_lines<const N: usize, R: TextRow<N>>(rows: &[R]) -> [String; 4] {
+    let mut table = Table::new(R::COLUMNS);
+    for row in rows {
+        table.add(row.cells());
+    }
+    [
+        format!("{}: {}", R::TITLE, R::LEGEND),
+        String::new(),
+        table.to_string(),
+        String::new(),
+    ]
 }

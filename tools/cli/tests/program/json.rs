@@ -159,6 +159,29 @@ fn measure_motion_prints_its_keys() {
 }
 
 #[test]
+fn measure_poses_prints_its_keys() {
+    let folder = folder();
+    let scene = sample("tentacle.gltf").display().to_string();
+    let least = [
+        "--levels",
+        "0",
+        "--poses",
+        "1",
+        "--rays",
+        "50",
+        "--repeats",
+        "1",
+        "-o",
+        "out",
+    ];
+    let measure = [&["measure", "poses", scene.as_str(), scene.as_str()], &least[..]].concat();
+    agree("measure poses", folder.path(), &[&measure]);
+    for name in ["poses.html", "poses.json"] {
+        assert!(folder.path().join("out").join(name).is_file(), "{name}");
+    }
+}
+
+#[test]
 fn a_failure_prints_its_keys() {
     let folder = folder();
     door(folder.path());

@@ -1,16 +1,10 @@
 use crate::{
     MeasureError,
+    subdivision_limit::check_subdivisions,
     thread_pools::{THREAD_LIMIT, one_and_all},
 };
 use restpose_bake::import::Animation;
 use serde::Serialize;
-
-/// Most times that a mesh is subdivided: 1,024 triangles of each.
-const LARGEST_SUBDIVISION: u32 = 5;
-
-/// Most triangles that are measured. A triangle takes about 300 bytes while its file and the static tree of a posed
-/// frame are in memory.
-const TRIANGLE_LIMIT: u64 = 1 << 25;
 
 /// What [`measure_frame`](super::measure_frame) measures.
 #[derive(Clone, Debug, Serialize)]
@@ -52,8 +46,7 @@ impl Default for FrameSettings {
 impl FrameSettings {
     pub(super) fn check(&self, animation: &Animation) -> Result<(), MeasureError> {
         let at_least_one = |name, found| MeasureError::check_setting(name, found, 1, u64::MAX, "1 or more");
-        let largest = u64::from(LARGEST_SUBDIVISION);
-        MeasureError::check_setting("subdivide_max", self.subdivide_max.into(), 0, largest, "0 to 5")?;
+        check_subdivisions("subdivide_max", self.subdivide_max, animation)?;
         for threads in &self.threads {
             MeasureError::check_setting("threads", *threads as u64, 1, THREAD_LIMIT as u64, "1 to 1024")?;
         }
@@ -61,20 +54,6 @@ impl FrameSettings {
         MeasureError::check_setting("picture_side", self.picture_side.into(), 1, 8192, "1 to 8192")?;
         at_least_one("random_rays", self.random_rays.into())?;
         at_least_one("repeats", self.repeats.into())?;
-        at_least_one("updates", self.updates.into())?;
-
-        let parts = animation.parts.iter().map(|part| &animation.meshes[part.mesh]);
-        let triangles: u64 = parts
-            .flat_map(|mesh| &mesh.primitives)
-            .map(|primitive| primitive.triangles.len() as u64)
-            .sum();
-        if triangles > TRIANGLE_LIMIT >> (2 * self.subdivide_max) {
-            return Err(MeasureError::TooManyTriangles {
-                triangles,
-                subdivisions: self.subdivide_max,
-                limit: TRIANGLE_LIMIT,
-            });
-        }
-        Ok(())
+        at_least_one("updates", self.updates.into())
     }
 }
