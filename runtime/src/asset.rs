@@ -4,7 +4,10 @@ use crate::{
     OpenError, cache::CACHE_ROUNDINGS, cluster_frame::vertex_error as vertex_error_of, map::StoredModel,
     pose_space::PoseSpaces, vertex::rounding_count,
 };
-use restpose_formats::{FormatError, ModelView, rows::box_steps};
+use restpose_formats::{
+    FormatError, ModelView,
+    rows::{NONE, box_steps},
+};
 use std::{io, path::Path};
 
 /// A baked file, checked once, then only read. Any number of instances and threads share it.
@@ -15,6 +18,23 @@ pub struct Asset {
     /// Per cluster row: steps of the lattice of its triangles' boxes.
     box_steps: Vec<[f32; 3]>,
     pose_spaces: PoseSpaces,
+    /// Per reference row: whether it is the first of its triangle in its cluster.
+    first_references: Vec<bool>,
+}
+
+/// Linear in the references.
+fn first_references(model: &ModelView) -> Vec<bool> {
+    let mut met_in = vec![NONE; model.triangles.len()];
+    let mut out = Vec::with_capacity(model.references.len());
+    for (row, cluster) in (0..).zip(model.clusters) {
+        let references = &model.references[cluster.reference_first as usize..][..cluster.reference_count as usize];
+        out.extend(
+            references
+                .iter()
+                .map(|triangle| std::mem::replace(&mut met_in[*triangle as usize], row) != row),
+        );
+    }
+    out
 }
 
 impl Asset {
@@ -66,6 +86,7 @@ impl Asset {
         let vertex_error = vertex_error_of(rounding_count(model.view()));
         let cache_vertex_error = vertex_error_of(CACHE_ROUNDINGS);
         let pose_spaces = PoseSpaces::new(model.view());
+        let first_references = first_references(model.view());
         let clusters = model.view().clusters.iter();
         let box_steps = clusters.map(|cluster| box_steps(&cluster.bounds_local)).collect();
         Self {
@@ -74,6 +95,7 @@ impl Asset {
             cache_vertex_error,
             box_steps,
             pose_spaces,
+            first_references,
         }
     }
 
@@ -104,6 +126,11 @@ impl Asset {
     /// The same for a vertex of a cache.
     pub(crate) fn cache_vertex_error(&self) -> f64 {
         self.cache_vertex_error
+    }
+
+    /// Per reference row: whether it is the first of its triangle in its cluster.
+    pub(crate) fn first_references(&self) -> &[bool] {
+        &self.first_references
     }
 
     /// What poses of its clusters are measured against.

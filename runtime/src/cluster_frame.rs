@@ -225,8 +225,10 @@ pub(crate) enum Way {
     Local(LocalFrame),
     /// By a tree that was built for this frame: its place among the instance's.
     Posed(u32),
-    /// One by one: a bone without usable inverse.
-    Exhaustive,
+    /// By the topology of its fuzzy tree with the boxes of its posed triangles, in world space: a bone without usable
+    /// inverse, or a pose so far outside that wider boxes would hold everything. The number is that of
+    /// [`RefittedTrees`](crate::refitted_tree::RefittedTrees).
+    Refitted(u32),
 }
 
 /// `x ↦ linear·(x − center_world) + center_local`, and the margins that go with it.

@@ -45,6 +45,7 @@ mod pose;
 mod pose_space;
 mod posed_tree;
 mod ray;
+mod refitted_tree;
 mod scene;
 mod stats;
 mod surface;

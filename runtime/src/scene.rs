@@ -208,7 +208,10 @@ impl Scene {
                     Way::Local(local) => {
                         self.stats.largest_margin = self.stats.largest_margin.max(local.largest_margin());
                     }
-                    Way::Exhaustive => self.stats.clusters_without_inverse += 1,
+                    Way::Refitted(_) => {
+                        // A cluster that has an inverse is refitted for its excess.
+                        self.stats.clusters_without_inverse += u32::from(!active.excess.is_outside);
+                    }
                     Way::Posed(_) => self.stats.clusters_rebuilt += 1,
                 }
             }

@@ -6,13 +6,14 @@ pub struct FrameStats {
     /// Clusters of all instances.
     pub clusters: u32,
     /// Clusters whose frame has no usable inverse (scaled to nothing, flattened, near-singular): their triangles were
-    /// posed for their bounds and are all tested by each ray that enters those.
+    /// posed for their bounds, and their tree is refitted when a ray enters those.
     pub clusters_without_inverse: u32,
     /// Clusters of vertex caches whose trees were built for this frame over all of their posed triangles: in free motion,
     /// and where a cluster turns over or collapses between two keys.
     pub clusters_rebuilt: u32,
     /// Clusters whose pose is outside the pose space that their boxes were made for, by more than rounding: they are
-    /// traced with wider boxes. Always 0 with sampled bounds, which do not know.
+    /// traced with wider boxes, or where these would hold everything, with trees that are refitted when a ray enters.
+    /// Always 0 with sampled bounds, which do not know.
     pub clusters_outside: u32,
     /// Largest length by which a cluster's boxes are widened for that, in the cluster's rest space.
     pub largest_excess: f32,

@@ -9,7 +9,7 @@
 //! plane is widened by the cluster's margin for the ray (see `cluster_frame`), so the children of a node overlap.
 
 use crate::{
-    Hit, InstanceId, Ray,
+    Aabb, Hit, InstanceId, Ray,
     cluster_frame::{LatticeRay, SlabRay, Way},
     instance::{Active, Instance},
     scene::{Entry, Scene},
@@ -203,7 +203,6 @@ fn enter_cluster<const ANY: bool>(
         traveller.test(state, *cache, instance, triangle) && ANY
     };
     match &frame.way {
-        Way::Exhaustive => references.iter().any(|triangle| test(*triangle, traveller, counters)),
         Way::Local(local) => {
             let slab = local.enter(traveller.origin, traveller.direction, &frame.bounds_world);
             let Some(range) = slab.clip(&row.bounds_local, (start, traveller.limit)) else {
@@ -222,6 +221,20 @@ fn enter_cluster<const ANY: bool>(
                     })
             };
             walk(nodes, &slab, range, traveller, stack, counters, &mut visit)
+        }
+        Way::Refitted(number) => {
+            let nodes = &model.kd_nodes[row.node_first as usize..][..row.node_count as usize];
+            let rows = row.reference_first as usize..;
+            let first = &state.asset.first_references()[rows][..references.len()];
+            let pose = |triangle| state.pose_triangle(*cache, triangle);
+            let boxes = state.refitted.boxes(*number, nodes, references, first, pose);
+            let slab = SlabRay::in_world(traveller.origin, traveller.direction, &frame.bounds_world);
+            let mut visit = |leaf: Range<usize>, traveller: &mut Traveller, counters: &mut _| {
+                let own = references[leaf.clone()].iter().zip(&first[leaf]);
+                own.filter(|(_, first)| **first)
+                    .any(|(triangle, _)| test(*triangle, traveller, counters))
+            };
+            walk_boxes(nodes, boxes, &slab, start, traveller, stack, counters, &mut visit)
         }
         Way::Posed(tree) => {
             let tree = &state.trees[*tree as usize];
@@ -300,6 +313,66 @@ fn walk<C: Count>(
             let next = stack[pending];
             if next.enter <= traveller.limit {
                 (node, enter, exit) = (next.node, next.enter, next.exit.min(traveller.limit));
+                break;
+            }
+        }
+    }
+}
+
+/// As [`walk`], where each node has a box in place of a cell.
+#[expect(clippy::too_many_arguments, reason = "what `walk` takes, and the boxes")]
+fn walk_boxes<C: Count>(
+    nodes: &[KdNodeRow],
+    boxes: &[Aabb],
+    ray: &SlabRay,
+    start: f32,
+    traveller: &mut Traveller,
+    stack: &mut [Pending; MAX_KD_DEPTH],
+    counters: &mut C,
+    visit: &mut impl FnMut(Range<usize>, &mut Traveller, &mut C) -> bool,
+) -> bool {
+    let enter = |node: u32, traveller: &Traveller| ray.clip(&boxes[node as usize], (start, traveller.limit));
+    if enter(0, traveller).is_none() {
+        return false;
+    }
+    let (mut node, mut pending) = (0, 0);
+    loop {
+        match nodes[node as usize].unpack() {
+            KdNode::Inner { left, .. } => {
+                counters.step();
+                let [a, b] = [left, left + 1].map(|child| enter(child, traveller).map(|(enter, _)| (child, enter)));
+                let (near, far) = match (a, b) {
+                    (Some(a), Some(b)) if b.1 < a.1 => (Some(b), Some(a)),
+                    (None, b) => (b, None),
+                    (a, b) => (a, b),
+                };
+                if let Some((far, enter)) = far {
+                    stack[pending] = Pending {
+                        node: far,
+                        enter,
+                        exit: f32::INFINITY,
+                    };
+                    pending += 1;
+                }
+                if let Some((near, _)) = near {
+                    node = near;
+                    continue;
+                }
+            }
+            KdNode::Leaf { first, count } => {
+                let leaf = first as usize..first as usize + count as usize;
+                if visit(leaf, traveller, counters) {
+                    return true;
+                }
+            }
+        }
+        loop {
+            if pending == 0 {
+                return false;
+            }
+            pending -= 1;
+            if stack[pending].enter <= traveller.limit {
+                node = stack[pending].node;
                 break;
             }
         }

@@ -76,7 +76,5 @@ pub fn baked_animation(animation: &Animation) -> Arc<Asset> {
         sample_step_seconds: 0.25,
         ..BakeSettings::default()
     };
-    let baked = bake(animation, &settings, &NoProgress).unwrap_or_else(|error| panic!("{error}"));
-    let bytes = restpose_formats::write(&baked.model).unwrap_or_else(|error| panic!("{error}"));
-    Arc::new(Asset::from_bytes(&bytes).unwrap_or_else(|error| panic!("{error}")))
+    baked_with(animation, &settings)
 }

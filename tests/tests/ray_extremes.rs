@@ -35,7 +35,11 @@ fn rays_on_planes_faces_vertices_and_edges_equal_brute_force() {
         assert!(hits > RAYS / 6, "{name}: {hits} hits");
     }
     // A bent cube of twelve triangles is one leaf.
-    assert!(split + 1 >= assets.len(), "{split} of {} have split planes", assets.len());
+    assert!(
+        split + 1 >= assets.len(),
+        "{split} of {} have split planes",
+        assets.len()
+    );
 }
 
 /// What makes the test above sharp: where local space is world space, origins lie on the very planes.

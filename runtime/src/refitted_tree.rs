@@ -1,0 +1,74 @@
+use crate::Aabb;
+use restpose_formats::rows::{KdNode, KdNodeRow};
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+/// World boxes over the nodes of fuzzy trees, where a cluster's own space is of no use in a frame: the tree's topology is
+/// kept, its triangles are posed, and every node gets the box of what is below it. A tree of boxes, no longer a kd-tree:
+/// each triangle counts in the first leaf that references it, so that siblings overlap by no more than triangles do.
+///
+/// Made when a ray first enters the cluster, then kept for the frame. Threads that come at the same time wait for it.
+#[derive(Debug, Default)]
+pub(crate) struct RefittedTrees {
+    /// Per cluster that asked for one.
+    trees: Vec<OnceLock<Vec<Aabb>>>,
+    /// Memory of earlier frames.
+    spare: Mutex<Vec<Vec<Aabb>>>,
+}
+
+impl RefittedTrees {
+    /// Begins a frame without any.
+    pub(crate) fn clear(&mut self) {
+        let spare = self.spare.get_mut().unwrap_or_else(PoisonError::into_inner);
+        spare.extend(self.trees.drain(..).filter_map(OnceLock::into_inner));
+    }
+
+    /// Makes room for another cluster's and returns its number.
+    pub(crate) fn add(&mut self) -> u32 {
+        self.trees.push(OnceLock::new());
+        self.trees.len() as u32 - 1
+    }
+
+    /// The boxes of a cluster's nodes. `references` are its triangle rows, `first` says of each whether it is its triangle's
+    /// first.
+    pub(crate) fn boxes(
+        &self,
+        number: u32,
+        nodes: &[KdNodeRow],
+        references: &[u32],
+        first: &[bool],
+        pose: impl Fn(u32) -> [[f32; 3]; 3],
+    ) -> &[Aabb] {
+        self.trees[number as usize].get_or_init(|| {
+            let spare = || self.spare.lock().unwrap_or_else(PoisonError::into_inner).pop();
+            let mut boxes = spare().unwrap_or_default();
+            refit(nodes, references, first, pose, &mut boxes);
+            boxes
+        })
+    }
+}
+
+fn refit(
+    nodes: &[KdNodeRow],
+    references: &[u32],
+    first: &[bool],
+    pose: impl Fn(u32) -> [[f32; 3]; 3],
+    boxes: &mut Vec<Aabb>,
+) {
+    boxes.clear();
+    boxes.resize(nodes.len(), Aabb::EMPTY);
+    // Children stand behind their parents.
+    for (at, node) in nodes.iter().enumerate().rev() {
+        boxes[at] = match node.unpack() {
+            KdNode::Inner { left, .. } => boxes[left as usize].union(boxes[left as usize + 1]),
+            KdNode::Leaf { first: begin, count } => {
+                let leaf = begin as usize..begin as usize + count as usize;
+                let own = references[leaf.clone()].iter().zip(&first[leaf]);
+                let corners = own
+                    .filter(|(_, first)| **first)
+                    .flat_map(|(triangle, _)| pose(*triangle));
+                // Vertices that overflowed have no place, and their triangles hit nothing.
+                Aabb::around(corners.filter(|corner| corner.iter().all(|x| x.is_finite())))
+            }
+        };
+    }
+}
