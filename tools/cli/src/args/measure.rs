@@ -101,7 +101,7 @@ pub struct PosesArgs {
     #[arg(long, value_name = "NAME")]
     pub clip: Option<String>,
     /// Rays of each kind, camera and random, per pose; 1 to 16777216
-    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
+    #[arg(long, value_name = "N", default_value_t = 4_096, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     pub rays: u32,
     /// Poses of each kind, 1 to 10000: clips between samples, blends of clips, ragdolls
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = |text: &str| values::count(text, 10_000))]
@@ -109,7 +109,7 @@ pub struct PosesArgs {
     /// Measure the mesh subdivided 0 to MAX times, MAX from 0 to 5; each time has four times the triangles
     #[arg(long, value_name = "MAX", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=5))]
     pub levels: u32,
-    /// Times that each set of rays is timed, 1 or more; medians count
+    /// Times that each turn of rays is timed, 1 or more; the least counts
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
     pub repeats: u32,
     /// Seed of random poses and rays, any whole number from 0

@@ -18,6 +18,13 @@ pub(super) struct CommitTimes {
     pub again_check: f64,
 }
 
+/// Of one candidate in one pose, per pass.
+#[derive(Clone, Default)]
+struct Passes {
+    fresh: Vec<f64>,
+    again: Vec<f64>,
+}
+
 /// Commits of every candidate in every pose, in turns, after a pass that is not timed.
 pub(super) fn commit_times(candidates: &[Candidate], poses: &[BonePose]) -> Result<Vec<CommitTimes>, MeasureError> {
     let mut scenes: Vec<(Scene, InstanceId)> = candidates
@@ -28,13 +35,12 @@ pub(super) fn commit_times(candidates: &[Candidate], poses: &[BonePose]) -> Resu
             (scene, instance)
         })
         .collect();
-    // By pose, then by candidate: times of each pass, fresh and again.
-    let mut times = vec![vec![[const { Vec::new() }; 2]; candidates.len()]; poses.len()];
+    let mut times: Vec<Vec<Passes>> = vec![vec![Passes::default(); candidates.len()]; poses.len()];
     for pass in 0..=PASSES {
         for (pose, times) in poses.iter().zip(&mut times) {
             for ((scene, instance), times) in scenes.iter_mut().zip(times) {
                 stand(scene, *instance, pose)?;
-                for times in times {
+                for times in [&mut times.fresh, &mut times.again] {
                     let start = Instant::now();
                     std::hint::black_box(scene.commit());
                     let time = start.elapsed().as_secs_f64() * 1e6;
@@ -45,15 +51,17 @@ pub(super) fn commit_times(candidates: &[Candidate], poses: &[BonePose]) -> Resu
             }
         }
     }
-    let over_poses =
-        |of: &dyn Fn(&[[Vec<f64>; 2]]) -> f64| median(&mut times.iter().map(|own| of(own)).collect::<Vec<f64>>());
-    let excess =
-        |own: &[f64], first: &[f64]| median(&mut own.iter().zip(first).map(|(a, b)| a - b).collect::<Vec<f64>>());
+    let over_poses = |of: &dyn Fn(&[Passes]) -> f64| median(&mut times.iter().map(|own| of(own)).collect::<Vec<f64>>());
     Ok((0..candidates.len())
         .map(|candidate| CommitTimes {
-            fresh: over_poses(&|pose| median(&mut pose[candidate][0].clone())),
-            fresh_check: over_poses(&|pose| excess(&pose[candidate][0], &pose[0][0])),
-            again_check: over_poses(&|pose| excess(&pose[candidate][1], &pose[0][1])),
+            fresh: over_poses(&|pose| median(&mut pose[candidate].fresh.clone())),
+            fresh_check: over_poses(&|pose| median_excess(&pose[candidate].fresh, &pose[0].fresh)),
+            again_check: over_poses(&|pose| median_excess(&pose[candidate].again, &pose[0].again)),
         })
         .collect())
+}
+
+/// By how much the first is the longer, pass by pass.
+fn median_excess(own: &[f64], other: &[f64]) -> f64 {
+    median(&mut own.iter().zip(other).map(|(a, b)| a - b).collect::<Vec<f64>>())
 }

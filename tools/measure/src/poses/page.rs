@@ -11,7 +11,7 @@ pub fn page(report: &PosesReport) -> String {
     let mut scenes: Vec<&str> = report.bounds.iter().map(|row| row.file.scene.as_str()).collect();
     scenes.dedup();
     let mut body = format!(
-        "<p>{poses} poses of each kind, {rays} rays of each kind per pose, medians of {repeats}, in turns, one thread. \
+        "<p>{poses} poses of each kind, {rays} rays of each kind per pose, least of {repeats} times, in turns, one thread. \
          {checked} rays were compared with brute force.</p>\n<div class=\"plots\">\n",
         poses = settings.poses,
         rays = settings.rays,

@@ -151,7 +151,7 @@ pub struct CommitFigures {
     pub check_again_us: f64,
     /// Pairs of a cluster and a bone beside its own that moves its vertices.
     pub bone_pairs: u64,
-    /// `check_us` per pair, nanoseconds.
+    /// `check_us` per pair, nanoseconds; not a number without pairs.
     pub check_ns_per_pair: f64,
 }
 

@@ -6,7 +6,7 @@ use serde::Serialize;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PosesSettings {
     /// Rays of each kind per pose; of ragdolls as many as brute force has time for, if these are fewer. Camera rays are
-    /// those of the largest square picture of no more pixels. Default 10,000; 1 to 2²⁴.
+    /// those of the largest square picture of no more pixels. Default 4,096; 1 to 2²⁴.
     pub rays: u32,
     /// Poses of each kind. Default 4; 1 to 10,000.
     pub poses: usize,
@@ -14,7 +14,7 @@ pub struct PosesSettings {
     pub levels: u32,
     /// Clip of the pose space that holds only one: its name, or its number in the source. Default: the first.
     pub clip: Option<String>,
-    /// Times that each set of rays is timed. Default 5; at least 1.
+    /// Times that each turn of rays is timed; the least counts. Default 5; at least 1.
     pub repeats: u32,
     /// Seed of random poses and rays. Default 1.
     pub seed: u64,
@@ -23,7 +23,7 @@ pub struct PosesSettings {
 impl Default for PosesSettings {
     fn default() -> Self {
         Self {
-            rays: 10_000,
+            rays: 4_096,
             poses: 4,
             levels: 2,
             clip: None,

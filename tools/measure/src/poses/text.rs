@@ -126,7 +126,11 @@ impl TextRow<20> for BoundsFigures {
             format!("{:.1}", commits.commit_us),
             format!("{:.1}", commits.check_us),
             format!("{:.1}", commits.check_again_us),
-            format!("{:.0}", commits.check_ns_per_pair),
+            if commits.bone_pairs > 0 {
+                format!("{:.0}", commits.check_ns_per_pair)
+            } else {
+                "–".to_owned()
+            },
             rays,
             steps,
             boxes,
