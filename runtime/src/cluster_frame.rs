@@ -226,9 +226,8 @@ pub(crate) enum Way {
     /// By a tree that was built for this frame: its place among the instance's.
     Posed(u32),
     /// By the topology of its fuzzy tree with the boxes of its posed triangles, in world space: a bone without usable
-    /// inverse, or a pose so far outside that wider boxes would hold everything. The number is that of
-    /// [`RefittedTrees`](crate::refitted_tree::RefittedTrees).
-    Refitted(u32),
+    /// inverse, or a pose so far outside that wider boxes would hold everything.
+    Refitted,
 }
 
 /// `x ↦ linear·(x − center_world) + center_local`, and the margins that go with it.

@@ -5,7 +5,7 @@ use crate::{
     cluster_frame::{ClusterFrame, FrameInputs, Map64, PosedMap, Way, invert_frame},
     excess::{BoneMap, Excess, MeasuredPose, Motions},
     posed_tree::PosedTree,
-    refitted_tree::RefittedTrees,
+    refitted_tree::RefittedTree,
     vertex::{pose_vertex, reach},
     vertex_memo::VertexMemo,
 };
@@ -44,7 +44,8 @@ pub(crate) struct Instance {
     memo: VertexMemo,
     /// Trees over posed triangles, by the order of these among `clusters`.
     pub trees: Vec<PosedTree>,
-    pub refitted: RefittedTrees,
+    /// Per cluster without a track.
+    pub refitted: Vec<RefittedTree>,
 }
 
 /// A cluster that counts in this frame.
@@ -77,7 +78,7 @@ impl Instance {
             bone_maps: Vec::new(),
             memo: VertexMemo::new(asset.model().vertices.len()),
             trees: Vec::new(),
-            refitted: RefittedTrees::default(),
+            refitted: Vec::new(),
         }
     }
 
@@ -106,8 +107,9 @@ impl Instance {
 
     fn update_clusters(&mut self, model: &ModelView, builder: &mut KdBuilder) {
         self.clusters.clear();
-        self.refitted.clear();
+        self.refitted.iter_mut().for_each(RefittedTree::forget);
         let without_track = model.clusters.partition_point(|cluster| cluster.track == NONE);
+        self.refitted.resize_with(without_track, RefittedTree::default);
         let morph_extent = self.morph_extent(model);
         for (row, cluster) in (0..).zip(&model.clusters[..without_track]) {
             let (frame, excess) = self.bone_frame(model, row, morph_extent);
@@ -186,11 +188,7 @@ impl Instance {
         });
         let far = excess.local.into_iter().fold(0.0, f64::max) > FAR * longest_side(&cluster.bounds_local);
         let frame = frame.map(|frame| ClusterFrame {
-            way: if far {
-                Way::Refitted(self.refitted.add())
-            } else {
-                frame.way
-            },
+            way: if far { Way::Refitted } else { frame.way },
             ..frame
         });
         (frame, excess)
@@ -217,7 +215,7 @@ impl Instance {
 
     /// Bounds a bone's cluster by its posed vertices, where the bone has no usable inverse. Most often such a bone hides a
     /// limb by scaling it to nothing, and no ray comes.
-    fn posed_bounds(&mut self, model: &ModelView, cluster: &ClusterRow) -> ClusterFrame {
+    fn posed_bounds(&self, model: &ModelView, cluster: &ClusterRow) -> ClusterFrame {
         let references = &model.references[cluster.reference_first as usize..][..cluster.reference_count as usize];
         ClusterFrame {
             bounds_world: Aabb::around(
@@ -227,7 +225,7 @@ impl Instance {
                     // Vertices that overflowed have no place and hit nothing.
                     .filter(|vertex| vertex.iter().all(|x| x.is_finite())),
             ),
-            way: Way::Refitted(self.refitted.add()),
+            way: Way::Refitted,
         }
     }
 

@@ -2,45 +2,36 @@ use crate::Aabb;
 use restpose_formats::rows::{KdNode, KdNodeRow};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// World boxes over the nodes of fuzzy trees, where a cluster's own space is of no use in a frame: the tree's topology is
-/// kept, its triangles are posed, and every node gets the box of what is below it. A tree of boxes, no longer a kd-tree:
+/// World boxes over the nodes of a fuzzy tree, where its cluster's own space is of no use in a frame: the topology is kept, its triangles are posed, and every node gets the box of what is below it. A tree of boxes, no longer a kd-tree:
 /// each triangle counts in the first leaf that references it, so that siblings overlap by no more than triangles do.
 ///
 /// Made when a ray first enters the cluster, then kept for the frame. Threads that come at the same time wait for it.
 #[derive(Debug, Default)]
-pub(crate) struct RefittedTrees {
-    /// Per cluster that asked for one.
-    trees: Vec<OnceLock<Vec<Aabb>>>,
-    /// Memory of earlier frames.
-    spare: Mutex<Vec<Vec<Aabb>>>,
+pub(crate) struct RefittedTree {
+    boxes: OnceLock<Vec<Aabb>>,
+    /// Memory of an earlier frame.
+    spare: Mutex<Vec<Aabb>>,
 }
 
-impl RefittedTrees {
-    /// Begins a frame without any.
-    pub(crate) fn clear(&mut self) {
-        let spare = self.spare.get_mut().unwrap_or_else(PoisonError::into_inner);
-        spare.extend(self.trees.drain(..).filter_map(OnceLock::into_inner));
+impl RefittedTree {
+    /// Begins a frame.
+    pub(crate) fn forget(&mut self) {
+        if let Some(boxes) = self.boxes.take() {
+            *self.spare.get_mut().unwrap_or_else(PoisonError::into_inner) = boxes;
+        }
     }
 
-    /// Makes room for another cluster's and returns its number.
-    pub(crate) fn add(&mut self) -> u32 {
-        self.trees.push(OnceLock::new());
-        self.trees.len() as u32 - 1
-    }
-
-    /// The boxes of a cluster's nodes. `references` are its triangle rows, `first` says of each whether it is its triangle's
-    /// first.
+    /// The boxes of the cluster's nodes. `references` are its triangle rows, `first` says of each whether it is its
+    /// triangle's first.
     pub(crate) fn boxes(
         &self,
-        number: u32,
         nodes: &[KdNodeRow],
         references: &[u32],
         first: &[bool],
         pose: impl Fn(u32) -> [[f32; 3]; 3],
     ) -> &[Aabb] {
-        self.trees[number as usize].get_or_init(|| {
-            let spare = || self.spare.lock().unwrap_or_else(PoisonError::into_inner).pop();
-            let mut boxes = spare().unwrap_or_default();
+        self.boxes.get_or_init(|| {
+            let mut boxes = std::mem::take(&mut *self.spare.lock().unwrap_or_else(PoisonError::into_inner));
             refit(nodes, references, first, pose, &mut boxes);
             boxes
         })

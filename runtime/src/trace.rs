@@ -222,12 +222,12 @@ fn enter_cluster<const ANY: bool>(
             };
             walk(nodes, &slab, range, traveller, stack, counters, &mut visit)
         }
-        Way::Refitted(number) => {
+        Way::Refitted => {
             let nodes = &model.kd_nodes[row.node_first as usize..][..row.node_count as usize];
             let rows = row.reference_first as usize..;
             let first = &state.asset.first_references()[rows][..references.len()];
             let pose = |triangle| state.pose_triangle(*cache, triangle);
-            let boxes = state.refitted.boxes(*number, nodes, references, first, pose);
+            let boxes = state.refitted[*number as usize].boxes(nodes, references, first, pose);
             let slab = SlabRay::in_world(traveller.origin, traveller.direction, &frame.bounds_world);
             let mut visit = |leaf: Range<usize>, traveller: &mut Traveller, counters: &mut _| {
                 let own = references[leaf.clone()].iter().zip(&first[leaf]);

@@ -190,7 +190,7 @@ fn poses_do_not_depend_on_the_poses_before_them() {
             assert_eq!(traced(&fresh.commit(), &[alone]), after, "{}: {pose:?}", path.display());
             outside += after.1.clusters_outside;
             if after.1.clusters_outside > 0 {
-                assert!(after.1.largest_excess > 0.0 && after.1.largest_margin >= after.1.largest_excess);
+                assert!(after.1.largest_excess > 0.0);
             }
         }
         let skinned = asset.model().pose_spaces.iter().any(|space| space.envelope_count > 1);
