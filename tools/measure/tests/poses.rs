@@ -130,12 +130,10 @@ fn every_bound_stands_in_every_kind_of_pose_at_every_tessellation() {
             assert_eq!(cells(row, &["missed_per_million", "wrong_per_million"]), "0.0 0.0");
         }
         assert_eq!(row["pose_count"], 2);
-        let side = if row["rays"] == "primary" { 12 * 12 } else { 150 };
-        assert_eq!(
-            row["ray_count"].as_u64() == Some(2 * side),
-            row["poses"] != "ragdoll",
-            "{row}"
-        );
+        let asked = 2 * if row["rays"] == "primary" { 12 * 12 } else { 150 };
+        let fewest = if row["poses"] == "ragdoll" { 2 * 9 } else { asked };
+        let count = row["ray_count"].as_u64().unwrap();
+        assert!((fewest..=asked).contains(&count), "{row}");
     }
 }
 

@@ -100,7 +100,7 @@ pub struct PosesArgs {
     /// Clip of the pose space that holds only one: its name, or its number in the source [default: the first]
     #[arg(long, value_name = "NAME")]
     pub clip: Option<String>,
-    /// Rays of each kind, camera and random, per pose; 1 to 16777216
+    /// Rays of each kind, camera and random, per pose, fewer where they cost too much; 1 to 16777216
     #[arg(long, value_name = "N", default_value_t = 4_096, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     pub rays: u32,
     /// Poses of each kind, 1 to 10000: clips between samples, blends of clips, ragdolls

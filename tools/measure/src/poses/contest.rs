@@ -6,7 +6,7 @@ use super::{
     settled_rays::SettledRays,
     turns::trace_seconds,
 };
-use crate::{MeasureError, Place, clock, posed_rays::corners, view::View};
+use crate::{MeasureError, Place, checked_rays::counted, clock, posed_rays::corners, view::View};
 use rayon::ThreadPool;
 use restpose_bake::{
     Progress,
@@ -17,11 +17,19 @@ use restpose_runtime::{Frame, InstanceId, PoseError, Ray, Scene, TraceCounters};
 /// Kinds of rays.
 const RAY_KINDS: [&str; 2] = ["primary", "random"];
 
+/// Steps and tests that tracing all rays of a kind in a pose takes once, over all candidates: tens of milliseconds. Far
+/// outside its pose space a file may have a ray meet the boxes of all triangles.
+const WORK: u64 = 1 << 22;
+
+/// Rays whose cost tells how many there is time for.
+const PROBE_RAYS: u32 = 64;
+
+/// Rays of a kind in a pose, however much they cost.
+const FEWEST_RAYS: u32 = 9;
+
 /// What the poses of a contest have in common.
 pub(super) struct Round<'a> {
     pub settings: &'a PosesSettings,
-    /// Of each kind per pose.
-    pub rays: u32,
     /// One thread.
     pub pool: &'a ThreadPool,
     /// Of the poses, for messages.
@@ -104,7 +112,7 @@ pub(super) fn contest(
             standing.clusters_outside += u64::from(stats.clusters_outside);
             standing.largest_excess = standing.largest_excess.max(stats.largest_excess);
         }
-        let rays = rays(candidates, &frames, round, number);
+        let rays = rays(candidates, &frames, round.settings, number);
         for (kind, rays) in rays.iter().enumerate() {
             let place = Place::Drawn {
                 subdivisions: candidates[0].file.subdivisions,
@@ -146,13 +154,33 @@ pub(super) fn contest(
 }
 
 /// Camera rays and random rays of a pose, as the first candidate shows it.
-fn rays(candidates: &[Candidate], frames: &[(Frame, InstanceId)], round: &Round, number: usize) -> [Vec<Ray>; 2] {
+fn rays(
+    candidates: &[Candidate],
+    frames: &[(Frame, InstanceId)],
+    settings: &PosesSettings,
+    number: usize,
+) -> [Vec<Ray>; 2] {
     let (frame, instance) = &frames[0];
     let view = View::filled_by(&corners(frame, *instance, &candidates[0].asset));
+    let side = affordable(frames, &view.rays(PROBE_RAYS.isqrt()), settings.rays).isqrt();
     let oracle = Oracle::new(frame, &[*instance]);
-    let mut supply = Rays::new(&oracle, round.settings.seed.wrapping_add(number as u64));
-    let random = (0..round.rays).map(|_| supply.ray(RayKind::Random)).collect();
-    [view.rays(round.rays.isqrt()), random]
+    let random = |count: u32| -> Vec<Ray> {
+        let mut supply = Rays::new(&oracle, settings.seed.wrapping_add(number as u64));
+        (0..count).map(|_| supply.ray(RayKind::Random)).collect()
+    };
+    let count = affordable(frames, &random(PROBE_RAYS), settings.rays);
+    [view.rays(side), random(count)]
+}
+
+/// How many rays there is time for, at most `most`, if they cost as much as `probe`.
+fn affordable(frames: &[(Frame, InstanceId)], probe: &[Ray], most: u32) -> u32 {
+    let work = |(frame, _): &(Frame, InstanceId)| {
+        let cost = counted(*frame, probe).1;
+        cost.steps + cost.box_tests + cost.triangle_tests
+    };
+    let work: u64 = frames.iter().map(work).sum();
+    let count = WORK.saturating_mul(probe.len() as u64) / work.max(1);
+    count.clamp(FEWEST_RAYS.into(), u64::MAX).min(most.into()) as u32
 }
 
 impl Standing {

@@ -58,7 +58,6 @@ pub fn measure_poses(
     let pools = thread_pools(&[1])?;
     let round = Round {
         settings,
-        rays: settings.rays,
         pool: &pools[0],
         kind: "",
         progress,

@@ -5,7 +5,7 @@ use serde::Serialize;
 /// What [`measure_poses`](super::measure_poses) measures.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PosesSettings {
-    /// Rays of each kind per pose; of ragdolls as many as brute force has time for, if these are fewer. Camera rays are
+    /// Rays of each kind per pose; fewer where they cost too much, as far outside of a pose space. Camera rays are
     /// those of the largest square picture of no more pixels. Default 4,096; 1 to 2²⁴.
     pub rays: u32,
     /// Poses of each kind. Default 4; 1 to 10,000.

@@ -15,12 +15,6 @@ const ENVELOPES: [usize; 5] = [1, 4, 16, 64, 1024];
 /// Files of a tessellation: sampled bounds, and each number of envelopes.
 pub(super) const FILES: u64 = 1 + ENVELOPES.len() as u64;
 
-/// Triangle tests that tracing all rays of a ragdoll takes, if each meets every triangle.
-const RAGDOLL_TESTS: u64 = 200_000;
-
-/// Rays of a ragdoll, however many triangles there are.
-const FEWEST_RAGDOLL_RAYS: u64 = 9;
-
 /// Pixels of the thesis's pictures.
 const PICTURE_PIXELS: f64 = 1024.0 * 1024.0;
 
@@ -61,13 +55,8 @@ pub(super) fn measure_tessellation(
     };
     for kind in PoseKind::ALL {
         let poses = kind.draw(&mesh, candidates[0].asset.model(), settings.seed, settings.poses);
-        let triangles = candidates[0].file.triangles;
         let round = Round {
             kind: kind.name(),
-            rays: match kind {
-                PoseKind::Clip | PoseKind::Blend => settings.rays,
-                PoseKind::Ragdoll => settings.rays.min(ragdoll_rays(triangles)),
-            },
             ..*round
         };
         let (standings, brute_force_rays) = contest(&candidates, candidates.len(), &poses, &round)?;
@@ -99,9 +88,4 @@ pub(super) fn measure_tessellation(
         }
     }
     Ok(level)
-}
-
-/// Rays of a ragdoll. It is as far outside the pose space of clips as can be: a ray may meet the boxes of all triangles.
-fn ragdoll_rays(triangles: u64) -> u32 {
-    (RAGDOLL_TESTS / triangles.max(1)).clamp(FEWEST_RAGDOLL_RAYS, u64::from(u32::MAX)) as u32
 }
