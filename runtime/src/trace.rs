@@ -253,6 +253,18 @@ fn enter_cluster<const ANY: bool>(
     }
 }
 
+/// Takes the last of the pending nodes that begins before `limit`.
+#[inline]
+fn next_pending(stack: &[Pending], pending: &mut usize, limit: f32) -> Option<Pending> {
+    while *pending > 0 {
+        *pending -= 1;
+        if stack[*pending].enter <= limit {
+            return Some(stack[*pending]);
+        }
+    }
+    None
+}
+
 /// Visits the leaves that the ray may touch within `range`, near ones first, until one says that the search is over.
 fn walk<C: Count>(
     nodes: &[KdNodeRow],
@@ -305,17 +317,10 @@ fn walk<C: Count>(
                 }
             }
         }
-        loop {
-            if pending == 0 {
-                return false;
-            }
-            pending -= 1;
-            let next = stack[pending];
-            if next.enter <= traveller.limit {
-                (node, enter, exit) = (next.node, next.enter, next.exit.min(traveller.limit));
-                break;
-            }
-        }
+        let Some(next) = next_pending(stack, &mut pending, traveller.limit) else {
+            return false;
+        };
+        (node, enter, exit) = (next.node, next.enter, next.exit.min(traveller.limit));
     }
 }
 
@@ -366,16 +371,10 @@ fn walk_boxes<C: Count>(
                 }
             }
         }
-        loop {
-            if pending == 0 {
-                return false;
-            }
-            pending -= 1;
-            if stack[pending].enter <= traveller.limit {
-                node = stack[pending].node;
-                break;
-            }
-        }
+        let Some(next) = next_pending(stack, &mut pending, traveller.limit) else {
+            return false;
+        };
+        node = next.node;
     }
 }
 
