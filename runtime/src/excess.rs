@@ -33,7 +33,7 @@
 //! Based on: Günther, *Ray Tracing of Dynamic Scenes*, §3.6, which wishes for boxes found analytically or by affine
 //! arithmetic. Differs from §3.4.2, whose boxes hold for sampled poses only.
 
-use crate::pose_space::{Envelope, Mover, PoseSpace};
+use crate::pose_space::{Envelope, MARKS, Mover, PoseSpace};
 use restpose_formats::{
     geom::Affine,
     rows::{BoneEnvelopeRow, ClusterMorphRow},
@@ -45,7 +45,7 @@ const ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
 /// Relative slack for the sum that is the excess itself: a few hundred roundings of 2⁻⁵³, and two of each lever.
 const SUM_SLACK: f64 = 1.0 / (1u64 << 44) as f64;
 
-/// Envelopes whose excess is measured where none holds the pose: those whose centers are nearest.
+/// Envelopes whose excess is measured where none holds the pose: those that are nearest by their marks. Any would do.
 const NEAREST_TRIED: usize = 4;
 
 /// Envelopes that a mix is sought with.
@@ -103,6 +103,16 @@ struct Motion {
     numbers: [f64; 12],
 }
 
+/// An envelope, judged by a few numbers.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    /// False where one of them is out of its reach.
+    may_hold: bool,
+    /// Squared distance of these numbers from its center, in lengths.
+    square: f64,
+    number: u32,
+}
+
 /// The relative motions of a cluster's bones in a pose, and what is known of their rounding. Scratch: keep one and reuse it.
 #[derive(Debug, Default)]
 pub(crate) struct Motions {
@@ -111,8 +121,8 @@ pub(crate) struct Motions {
     rounding: f64,
     /// By how much morphs displace a vertex, at most, per axis.
     morphed: [f64; 3],
-    /// Squared distance to the center of each envelope, in lengths, with its number; ascending.
-    order: Vec<(f64, u32)>,
+    /// Envelopes in the order in which they are tried.
+    order: Vec<Candidate>,
 }
 
 impl Motions {
@@ -233,29 +243,34 @@ impl Motions {
         if total(&first) == 0.0 {
             return first;
         }
+        let marked: [f64; MARKS] = space.marks.map(|mark| {
+            let motion = self.motions.get(mark.mover).zip(space.movers.get(mark.mover));
+            motion.map_or(0.0, |(motion, mover)| {
+                motion.numbers[mark.number] * mover.levers[mark.number]
+            })
+        });
         self.order.clear();
-        self.order.extend((0..space.envelope_count).map(|number| {
-            let rows = space.envelope(number).bones;
-            let mut square = [0.0; 12];
-            for ((motion, row), mover) in self.motions.iter().zip(rows).zip(space.movers) {
-                for n in 0..12 {
-                    let off = motion.numbers[n] - f64::from(row.center[n]);
-                    square[n] += mover.squares[n] * off * off;
-                }
+        self.order.extend((0..).zip(space.outlines).map(|(number, outline)| {
+            let off: [f64; MARKS] = std::array::from_fn(|at| (marked[at] - outline.center[at]).abs());
+            Candidate {
+                may_hold: off.iter().zip(&outline.radius).all(|(off, radius)| off <= radius),
+                square: off.iter().map(|off| off * off).sum(),
+                number,
             }
-            (square.iter().sum::<f64>(), number)
         }));
-        self.order
-            .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        self.order.sort_unstable_by(|a, b| {
+            let nearer = a.square.total_cmp(&b.square).then(a.number.cmp(&b.number));
+            b.may_hold.cmp(&a.may_hold).then(nearer)
+        });
         let mut best = [f64::INFINITY; 3];
-        for (rank, (square, number)) in self.order.iter().enumerate() {
-            let envelope = space.envelope(*number);
-            if rank >= NEAREST_TRIED && *square > envelope.square_radius {
-                continue;
+        for (rank, candidate) in self.order.iter().enumerate() {
+            if rank >= NEAREST_TRIED && !candidate.may_hold {
+                break;
             }
-            let excess = self.excess_of(space, &envelope, morph_weights);
+            let number = candidate.number;
+            let excess = self.excess_of(space, &space.envelope(number), morph_weights);
             if total(&excess) < total(&best) {
-                (best, *nearest) = (excess, *number);
+                (best, *nearest) = (excess, number);
             }
             if total(&excess) == 0.0 {
                 break;
@@ -273,9 +288,9 @@ impl Motions {
         let from = space.envelope(first);
         let from_place = self.place_on_line(space, &from);
         let mut way: Option<(f64, Envelope, f64, f64)> = None;
-        let others = self.order.iter().filter(|(_, number)| *number != first);
-        for (_, number) in others.take(NEAREST_MIXED) {
-            let to = space.envelope(*number);
+        let others = self.order.iter().filter(|other| other.number != first);
+        for other in others.take(NEAREST_MIXED) {
+            let to = space.envelope(other.number);
             let to_place = self.place_on_line(space, &to);
             let (mut along, mut length) = ([0.0; 12], [0.0; 12]);
             let bones = self.motions.iter().zip(from.bones).zip(to.bones).zip(space.movers);

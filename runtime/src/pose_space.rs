@@ -4,16 +4,41 @@ use restpose_formats::{
 };
 use std::ops::Range;
 
+/// Numbers of a cluster's relative motions by which its envelopes are told apart.
+pub(crate) const MARKS: usize = 8;
+
 /// What measuring poses against the pose spaces of an asset needs of its rows, made ready when it is opened.
 #[derive(Debug, Default)]
 pub(crate) struct PoseSpaces {
     movers: Vec<Mover>,
     /// Per cluster with a pose space, its range of `movers`.
     movers_of: Vec<Range<usize>>,
-    /// Per cluster, its first place in `lines`.
-    line_first: Vec<usize>,
+    /// Per cluster.
+    marks: Vec<[Mark; MARKS]>,
+    /// Per cluster, its first place in `outlines`.
+    outline_first: Vec<usize>,
     /// Per cluster and envelope.
-    lines: Vec<Line>,
+    outlines: Vec<Outline>,
+}
+
+/// A number of the relative motions of a cluster's bones.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Mark {
+    /// Mover, counted in the cluster.
+    pub mover: usize,
+    /// Number of its motion, 0 to 11.
+    pub number: usize,
+}
+
+/// An envelope by a few of its numbers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Outline {
+    /// One over the squared length of its line, in lengths, from the middle to an end; zero where it has none.
+    pub per_length: f64,
+    /// Per mark of the cluster, in lengths by which it displaces vertices.
+    pub center: [f64; MARKS],
+    /// No pose that it holds is farther from the center, per mark.
+    pub radius: [f64; MARKS],
 }
 
 /// A bone that moves vertices of a cluster beside the cluster's own.
@@ -30,13 +55,6 @@ pub(crate) struct Mover {
     pub squares: [f64; 12],
 }
 
-/// The line of an envelope.
-#[derive(Clone, Copy, Debug)]
-struct Line {
-    per_length: f64,
-    square_radius: f64,
-}
-
 /// One cluster's pose space.
 #[derive(Clone, Copy)]
 pub(crate) struct PoseSpace<'a> {
@@ -45,7 +63,9 @@ pub(crate) struct PoseSpace<'a> {
     pub envelope_count: u32,
     bone_envelopes: &'a [BoneEnvelopeRow],
     morph_envelopes: &'a [MorphEnvelopeRow],
-    lines: &'a [Line],
+    pub marks: &'a [Mark; MARKS],
+    /// Per envelope.
+    pub outlines: &'a [Outline],
 }
 
 /// One envelope of a cluster.
@@ -55,10 +75,8 @@ pub(crate) struct Envelope<'a> {
     pub bones: &'a [BoneEnvelopeRow],
     /// Per morph target of the cluster.
     pub morphs: &'a [MorphEnvelopeRow],
-    /// One over the squared length of its line from the middle to an end, zero where it has none.
+    /// As in [`Outline`].
     pub per_length: f64,
-    /// No pose that it holds is farther from its center, in lengths by which numbers displace vertices, squared.
-    pub square_radius: f64,
 }
 
 impl PoseSpaces {
@@ -74,11 +92,16 @@ impl PoseSpaces {
             out.movers
                 .extend(others.map(|(row, lever)| Mover::new(row.bone as usize, lever)));
             out.movers_of.push(first..out.movers.len());
-            out.line_first.push(out.lines.len());
             let movers = &out.movers[first..];
             let rows = &model.bone_envelopes[space.bone_envelope_first as usize..];
-            let rows = (0..space.envelope_count as usize).map(|at| &rows[at * movers.len()..][..movers.len()]);
-            out.lines.extend(rows.map(|rows| Line::new(movers, rows)));
+            let envelopes: Vec<&[BoneEnvelopeRow]> = (0..space.envelope_count as usize)
+                .map(|at| &rows[at * movers.len()..][..movers.len()])
+                .collect();
+            let marks = marks(movers, &envelopes);
+            out.marks.push(marks);
+            out.outline_first.push(out.outlines.len());
+            out.outlines
+                .extend(envelopes.iter().map(|rows| Outline::new(movers, &marks, rows)));
         }
         out
     }
@@ -95,7 +118,8 @@ impl PoseSpaces {
             envelope_count: row.envelope_count,
             bone_envelopes: &model.bone_envelopes[row.bone_envelope_first as usize..][..envelopes * movers.len()],
             morph_envelopes: &model.morph_envelopes[row.morph_envelope_first as usize..][..envelopes * morphs],
-            lines: &self.lines[self.line_first[cluster]..][..envelopes],
+            marks: &self.marks[cluster],
+            outlines: &self.outlines[self.outline_first[cluster]..][..envelopes],
         })
     }
 }
@@ -107,29 +131,55 @@ impl<'a> PoseSpace<'a> {
         Envelope {
             bones: &self.bone_envelopes[number * bones..][..bones],
             morphs: &self.morph_envelopes[number * morphs..][..morphs],
-            per_length: self.lines[number].per_length,
-            square_radius: self.lines[number].square_radius,
+            per_length: self.outlines[number].per_length,
         }
     }
 }
 
-impl Line {
-    fn new(movers: &[Mover], rows: &[BoneEnvelopeRow]) -> Self {
-        /// Covers the roundings of a distance in `f64`, with room to spare.
-        const SLACK: f64 = 1.0 + 1.0 / (1u64 << 20) as f64;
-        let square = |of: fn(&BoneEnvelopeRow) -> &[f32; 12]| {
-            let bones = movers.iter().zip(rows);
-            let squares = bones.flat_map(|(mover, row)| {
-                (0..12).map(move |n| f64::from(of(row)[n]) * f64::from(of(row)[n]) * mover.squares[n])
+/// The numbers whose centers lie farthest apart, in lengths.
+fn marks(movers: &[Mover], envelopes: &[&[BoneEnvelopeRow]]) -> [Mark; MARKS] {
+    let mut spreads = Vec::with_capacity(12 * movers.len());
+    for (mover, moved) in movers.iter().enumerate() {
+        for number in 0..12 {
+            let centers = envelopes.iter().map(|rows| f64::from(rows[mover].center[number]));
+            let (least, greatest) = centers.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), x| {
+                (least.min(x), greatest.max(x))
             });
-            squares.sum::<f64>()
+            spreads.push(((greatest - least) * moved.levers[number], Mark { mover, number }));
+        }
+    }
+    spreads.sort_by(|a, b| b.0.total_cmp(&a.0));
+    std::array::from_fn(|at| spreads.get(at).map_or(Mark::default(), |(_, mark)| *mark))
+}
+
+impl Outline {
+    fn new(movers: &[Mover], marks: &[Mark; MARKS], rows: &[BoneEnvelopeRow]) -> Self {
+        /// Covers the roundings of a place on the line in `f64`, with room to spare.
+        const SLACK: f64 = 1.0 + 1.0 / (1u64 << 20) as f64;
+        let of = |mark: &Mark, of: fn(&BoneEnvelopeRow, usize) -> f64| {
+            // Without movers there are no numbers.
+            let row = rows.get(mark.mover).zip(movers.get(mark.mover));
+            row.map_or(0.0, |(row, mover)| of(row, mark.number) * mover.levers[mark.number])
         };
-        let (length, reach) = (square(|row| &row.direction), square(|row| &row.reach));
-        let radius = length.sqrt() + reach.sqrt();
+        let square = |(mover, row): (&Mover, &BoneEnvelopeRow)| {
+            (0..12)
+                .map(|n| f64::from(row.direction[n]) * f64::from(row.direction[n]) * mover.squares[n])
+                .sum::<f64>()
+        };
+        let length: f64 = movers.iter().zip(rows).map(square).sum();
+        let center = marks.each_ref().map(|mark| of(mark, |row, n| f64::from(row.center[n])));
+        let radius = marks.each_ref().map(|mark| {
+            let size = of(mark, |row, n| f64::from(row.center[n].abs()));
+            let radius = of(mark, |row, n| {
+                f64::from(row.direction[n].abs()) + f64::from(row.reach[n])
+            });
+            radius * SLACK + size * (SLACK - 1.0)
+        });
         Self {
             // Without a line every place on it is the same.
             per_length: Some(1.0 / length).filter(|x| x.is_finite()).unwrap_or(0.0),
-            square_radius: radius * radius * SLACK,
+            center,
+            radius,
         }
     }
 }
