@@ -226,7 +226,7 @@ pub(crate) enum Way {
     /// By a tree that was built for this frame: its place among the instance's.
     Posed(u32),
     /// By the topology of its fuzzy tree with the boxes of its posed triangles, in world space: a bone without usable
-    /// inverse, or a pose so far outside that wider boxes would hold everything.
+    /// inverse.
     Refitted,
 }
 

@@ -48,7 +48,7 @@ const SUM_SLACK: f64 = 1.0 / (1u64 << 44) as f64;
 /// Envelopes whose excess is measured where none holds the pose: those that are nearest by their marks. Any would do.
 const NEAREST_TRIED: usize = 4;
 
-/// Envelopes that a mix is sought with.
+/// Envelopes, nearest first, that a mix is sought with.
 const NEAREST_MIXED: usize = 8;
 
 /// How far a pose is from a cluster's pose space.
@@ -121,7 +121,7 @@ pub(crate) struct Motions {
     rounding: f64,
     /// By how much morphs displace a vertex, at most, per axis.
     morphed: [f64; 3],
-    /// Envelopes in the order in which they are tried.
+    /// The envelopes that are nearest, nearest first.
     order: Vec<Candidate>,
 }
 
@@ -258,22 +258,26 @@ impl Motions {
                 number,
             }
         }));
-        self.order.sort_unstable_by(|a, b| {
-            let nearer = a.square.total_cmp(&b.square).then(a.number.cmp(&b.number));
-            b.may_hold.cmp(&a.may_hold).then(nearer)
-        });
+        let nearer = |a: &Candidate, b: &Candidate| a.square.total_cmp(&b.square).then(a.number.cmp(&b.number));
+        let held = self.order.iter().filter(|candidate| candidate.may_hold);
+        let held: Option<u32> = held
+            .map(|candidate| candidate.number)
+            .find(|number| total(&self.excess_of(space, &space.envelope(*number), morph_weights)) == 0.0);
+        if let Some(number) = held {
+            *nearest = number;
+            return [0.0; 3];
+        }
+        if self.order.len() > NEAREST_MIXED {
+            self.order.select_nth_unstable_by(NEAREST_MIXED, nearer);
+            self.order.truncate(NEAREST_MIXED);
+        }
+        self.order.sort_unstable_by(nearer);
         let mut best = [f64::INFINITY; 3];
-        for (rank, candidate) in self.order.iter().enumerate() {
-            if rank >= NEAREST_TRIED && !candidate.may_hold {
-                break;
-            }
+        for candidate in self.order.iter().take(NEAREST_TRIED) {
             let number = candidate.number;
             let excess = self.excess_of(space, &space.envelope(number), morph_weights);
             if total(&excess) < total(&best) {
                 (best, *nearest) = (excess, number);
-            }
-            if total(&excess) == 0.0 {
-                break;
             }
         }
         best
@@ -289,7 +293,7 @@ impl Motions {
         let from_place = self.place_on_line(space, &from);
         let mut way: Option<(f64, Envelope, f64, f64)> = None;
         let others = self.order.iter().filter(|other| other.number != first);
-        for other in others.take(NEAREST_MIXED) {
+        for other in others {
             let to = space.envelope(other.number);
             let to_place = self.place_on_line(space, &to);
             let (mut along, mut length) = ([0.0; 12], [0.0; 12]);

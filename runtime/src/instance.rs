@@ -15,11 +15,10 @@ use restpose_formats::{
 };
 use std::sync::Arc;
 
-/// Where a pose leaves its pose space by more than this part of a cluster's longest side, its tree is refitted when a ray
-/// enters the cluster, instead of tracing it with wider boxes.
-///
-/// Of n triangles a ray then tests about n·(2·FAR)² at 10 ns, 160 rays as much as refitting costs, 100 ns a triangle.
-const FAR: f64 = 0.125;
+/// Rays that enter a cluster through wider boxes before it is refitted, times the square of the excess relative to its
+/// longest side. Of n triangles such a ray tests about n·(2·excess)² at 10 ns, refitting takes 100 ns a triangle; so the
+/// two together cost at most twice the better.
+const REFIT_RAYS: f64 = 2.5;
 
 /// An instance: what the caller set, and what the last commit made of it.
 #[derive(Debug)]
@@ -58,6 +57,8 @@ pub(crate) struct Active {
     pub frame: ClusterFrame,
     /// How far the pose is from the poses that the cluster's boxes were made for.
     pub excess: Excess,
+    /// Rays that enter it before it is refitted; `u32::MAX` where it is not for its excess.
+    pub refit_after: u32,
 }
 
 impl Instance {
@@ -119,6 +120,7 @@ impl Instance {
                 cache: NONE,
                 frame,
                 excess,
+                refit_after: refit_after(cluster, &excess),
             });
         }
         let mut trees = 0;
@@ -142,6 +144,7 @@ impl Instance {
                     cache: index,
                     frame,
                     excess: Excess::NONE,
+                    refit_after: u32::MAX,
                 });
             }
         }
@@ -185,11 +188,6 @@ impl Instance {
             vertex_error: self.asset.vertex_error(),
             bounds: None,
             excess: excess.local,
-        });
-        let far = excess.local.into_iter().fold(0.0, f64::max) > FAR * longest_side(&cluster.bounds_local);
-        let frame = frame.map(|frame| ClusterFrame {
-            way: if far { Way::Refitted } else { frame.way },
-            ..frame
         });
         (frame, excess)
     }
@@ -288,8 +286,15 @@ impl Instance {
     }
 }
 
-fn longest_side(bounds: &Aabb) -> f64 {
-    (0..3).fold(0.0, |longest: f64, k| {
+fn refit_after(cluster: &ClusterRow, excess: &Excess) -> u32 {
+    if !excess.is_outside {
+        return u32::MAX;
+    }
+    let bounds = &cluster.bounds_local;
+    let side = (0..3).fold(0.0, |longest: f64, k| {
         longest.max(f64::from(bounds.max[k]) - f64::from(bounds.min[k]))
-    })
+    });
+    let relative = excess.local.into_iter().fold(0.0, f64::max) / side;
+    // The cast saturates, and makes a NaN zero.
+    (REFIT_RAYS / (relative * relative)) as u32
 }

@@ -208,10 +208,7 @@ impl Scene {
                     Way::Local(local) => {
                         self.stats.largest_margin = self.stats.largest_margin.max(local.largest_margin());
                     }
-                    Way::Refitted => {
-                        // A cluster that has an inverse is refitted for its excess.
-                        self.stats.clusters_without_inverse += u32::from(!active.excess.is_outside);
-                    }
+                    Way::Refitted => self.stats.clusters_without_inverse += 1,
                     Way::Posed(_) => self.stats.clusters_rebuilt += 1,
                 }
             }

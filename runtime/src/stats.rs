@@ -12,8 +12,8 @@ pub struct FrameStats {
     /// and where a cluster turns over or collapses between two keys.
     pub clusters_rebuilt: u32,
     /// Clusters whose pose is outside the pose space that their boxes were made for, by more than rounding: they are
-    /// traced with wider boxes, or where these would hold everything, with trees that are refitted when a ray enters.
-    /// Always 0 with sampled bounds, which do not know.
+    /// traced with wider boxes, and their tree is refitted once so many rays have entered that this pays. Always 0 with
+    /// sampled bounds, which do not know.
     pub clusters_outside: u32,
     /// Largest length by which a cluster's boxes are widened for that, in the cluster's rest space.
     pub largest_excess: f32,

@@ -190,6 +190,7 @@ fn enter_cluster<const ANY: bool>(
         cache,
         frame,
         excess: _,
+        refit_after,
     } = &state.clusters[slot as usize];
     let model = state.asset.model();
     let row = &model.clusters[*number as usize];
@@ -202,8 +203,9 @@ fn enter_cluster<const ANY: bool>(
         Count::triangle(counters);
         traveller.test(state, *cache, instance, triangle) && ANY
     };
+    let refitted = *refit_after != u32::MAX && state.refitted[*number as usize].is_worth_it(*refit_after);
     match &frame.way {
-        Way::Local(local) => {
+        Way::Local(local) if !refitted => {
             let slab = local.enter(traveller.origin, traveller.direction, &frame.bounds_world);
             let Some(range) = slab.clip(&row.bounds_local, (start, traveller.limit)) else {
                 return false;
@@ -222,7 +224,7 @@ fn enter_cluster<const ANY: bool>(
             };
             walk(nodes, &slab, range, traveller, stack, counters, &mut visit)
         }
-        Way::Refitted => {
+        Way::Local(_) | Way::Refitted => {
             let nodes = &model.kd_nodes[row.node_first as usize..][..row.node_count as usize];
             let rows = row.reference_first as usize..;
             let first = &state.asset.first_references()[rows][..references.len()];

@@ -9,7 +9,7 @@ use restpose_bake::{
     verify::{DrawnPose, PoseSource, Poses},
 };
 use restpose_formats::{Bounds, ModelView, rows::ClusterRow};
-use restpose_runtime::{Affine, Asset, ClusterBounds, Scene};
+use restpose_runtime::{Affine, Asset, Scene};
 use restpose_tests::{
     Recipe, baked_with,
     escapes::{Escape, escapes},
@@ -48,9 +48,7 @@ fn compare(name: &str, animation: &Animation, asset: &Arc<Asset>, source: PoseSo
         let palette = scene.palette(instance).unwrap().to_vec();
         let morph_weights = scene.morph_weights(instance).unwrap().to_vec();
         let frame = scene.commit();
-        // Without a usable inverse there are no boxes and no excess.
-        let bounded = |cluster: &ClusterBounds| cluster.has_inverse || cluster.excess != [0.0; 3];
-        let rows = frame.clusters().filter(bounded);
+        let rows = frame.clusters().filter(|cluster| cluster.has_inverse);
         let excess: Vec<(u32, [f64; 3])> = rows
             .filter(|cluster| (cluster.cluster as usize) < model.pose_spaces.len())
             .map(|cluster| (cluster.cluster, cluster.excess))

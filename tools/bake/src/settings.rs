@@ -31,7 +31,7 @@ pub struct BakeSettings {
     pub sample_step_seconds: f64,
     /// How fuzzy boxes are bounded. Default: by envelopes, so that no pose misses a hit.
     pub bounds: Bounds,
-    /// Most envelopes of a cluster, 1 to 1024, where boxes are bounded by envelopes. Default 32.
+    /// Most envelopes of a cluster, 1 to 1024, where boxes are bounded by envelopes. Default 64.
     pub envelopes: usize,
     /// Classes that the user decides, as part name and class. `static` freezes a part in the pose without any clip,
     /// `rigid` keeps a bone for a part that no clip moves.
@@ -73,7 +73,7 @@ impl Default for BakeSettings {
             seed: 1,
             sample_step_seconds: 1.0 / 60.0,
             bounds: Bounds::Envelope,
-            envelopes: 32,
+            envelopes: 64,
             class_overrides: Vec::new(),
             position_error: None,
             motion: DecomposeSettings::default(),

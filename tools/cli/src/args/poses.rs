@@ -35,7 +35,7 @@ pub struct PoseArgs {
     /// How the boxes of bones and morph weights are bounded; those of vertex caches hold at any time between keys
     #[arg(long, value_enum, default_value_t = BoundsKind::Envelope)]
     pub bounds: BoundsKind,
-    /// Most envelopes of a cluster, 1 to 1024 [default: 32]
+    /// Most envelopes of a cluster, 1 to 1024 [default: 64]
     #[arg(long, value_name = "N", value_parser = |text: &str| values::count(text, 1024))]
     pub envelopes: Option<usize>,
 }
