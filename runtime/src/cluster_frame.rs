@@ -86,7 +86,7 @@ const F64_SLACK: f64 = 1.0 / (1u64 << 44) as f64;
 /// the limits of scale and condition.
 ///
 /// The baker asks the same function which samples bound a cluster's boxes, so baker and runtime agree on which poses
-/// the tree serves; for the others the runtime traces the cluster without its tree.
+/// the tree serves; for the others the runtime refits the tree.
 #[must_use]
 pub fn invert_frame(frame: &Affine) -> Option<[[f64; 3]; 3]> {
     let [c0, c1, c2] = [0, 1, 2].map(|k: usize| frame.columns[k].map(f64::from));

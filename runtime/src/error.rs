@@ -23,7 +23,7 @@ pub enum OpenError {
     },
 }
 
-/// Why a pose was not taken. The instance keeps the pose that it had.
+/// Why a pose was not taken. The instance keeps the pose that it had, but where it was refused when it was committed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PoseError {

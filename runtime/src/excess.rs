@@ -61,6 +61,11 @@ pub(crate) struct Excess {
 }
 
 impl Excess {
+    /// The longest of its lengths.
+    pub(crate) fn largest(&self) -> f64 {
+        self.local.into_iter().fold(0.0, f64::max)
+    }
+
     /// Of clusters whose boxes hold in every pose, and of those that claim none.
     pub(crate) const NONE: Self = Self {
         local: [0.0; 3],
@@ -101,6 +106,8 @@ pub(crate) struct MeasuredPose<'a> {
 struct Motion {
     /// E, columns first, then d.
     numbers: [f64; 12],
+    /// Bounds the error of each entry of E.
+    error: f64,
 }
 
 /// An envelope, judged by a few numbers.
@@ -168,12 +175,12 @@ impl Motions {
         self.rounding = 0.0;
         for mover in space.movers {
             let bone = &pose.bones[mover.bone];
-            let motion = Motion::new(inverse, &own.columns, &bone.columns, mover);
             let linear = inverse_norm * bone.linear + 1.0;
             let offset = inverse_norm * (bone.translation + own.translation);
             let levers = mover.levers[0] + mover.levers[3] + mover.levers[6] + mover.weight * morphed;
             let pivot = mover.pivot[0].abs() + mover.pivot[1].abs() + mover.pivot[2].abs();
             self.rounding += slack * (linear * (levers + mover.weight * pivot) + mover.weight * offset);
+            let motion = Motion::new(inverse, &own.columns, &bone.columns, mover, slack * linear);
             self.motions.push(motion);
         }
     }
@@ -206,7 +213,8 @@ impl Motions {
             for ((motion, row), mover) in self.motions.iter().zip(envelope.bones).zip(space.movers) {
                 let off = off_line(motion, row, place);
                 for n in 0..9 {
-                    out[n % 3] += mover.weight * (motion.numbers[n].abs() + beyond(off[n])) * morphed[n / 3];
+                    out[n % 3] +=
+                        mover.weight * (motion.numbers[n].abs() + motion.error + beyond(off[n])) * morphed[n / 3];
                 }
             }
         }
@@ -349,7 +357,11 @@ fn magnitude(row: &BoneEnvelopeRow, n: usize) -> f64 {
 /// By how much each number is out of reach of a place on the line of an envelope; not above zero where it is not.
 #[inline]
 fn off_line(motion: &Motion, row: &BoneEnvelopeRow, place: f64) -> [f64; 12] {
-    std::array::from_fn(|n| (motion.numbers[n] - on_line(row, place, n)).abs() - f64::from(row.reach[n]))
+    std::array::from_fn(|n| {
+        // The line's numbers may be far greater than the motion's, and so is their rounding.
+        let reach = f64::from(row.reach[n]) - ROUNDING * magnitude(row, n);
+        (motion.numbers[n] - on_line(row, place, n)).abs() - reach
+    })
 }
 
 /// The part above zero; `max` would make nothing of a NaN.
@@ -381,7 +393,7 @@ fn displacement(morphs: &[ClusterMorphRow], weight: impl Fn(usize, u32) -> f64) 
 }
 
 impl Motion {
-    fn new(inverse: &[[f64; 3]; 3], own: &[[f64; 3]; 4], x: &[[f64; 3]; 4], mover: &Mover) -> Self {
+    fn new(inverse: &[[f64; 3]; 3], own: &[[f64; 3]; 4], x: &[[f64; 3]; 4], mover: &Mover, error: f64) -> Self {
         let turned = |v: [f64; 3]| -> [f64; 3] {
             std::array::from_fn(|k| inverse[k][0] * v[0] + inverse[k][1] * v[1] + inverse[k][2] * v[2])
         };
@@ -396,7 +408,7 @@ impl Motion {
             }
         }
         numbers[9..].copy_from_slice(&offset);
-        Self { numbers }
+        Self { numbers, error }
     }
 }
 

@@ -26,8 +26,7 @@ pub struct ClusterBounds {
     /// By how much its boxes are widened, per local axis in rest space, for a pose outside the pose space that they were
     /// made for; inside it is what rounding adds, and zero with sampled bounds.
     pub excess: [f64; 3],
-    /// Whether rays use the cluster's fuzzy tree: false where its frame has no usable inverse in this pose, and in free
-    /// motion.
+    /// Whether the cluster has a local space in this pose: false where its frame has no usable inverse, and in free motion.
     pub has_inverse: bool,
 }
 

@@ -15,6 +15,10 @@ use restpose_formats::{
 };
 use std::sync::Arc;
 
+/// Where rounding alone widens a cluster by more than this part of its longest side, as in a palette far from the origin,
+/// too little is known of the pose to call it inside.
+const UNKNOWN: f64 = 1.0 / 1024.0;
+
 /// Rays that enter a cluster through wider boxes before it is refitted, times the square of the excess relative to its
 /// longest side. Of n triangles such a ray tests about n·(2·excess)² at 10 ns, refitting takes 100 ns a triangle; so the
 /// two together cost at most twice the better.
@@ -57,7 +61,7 @@ pub(crate) struct Active {
     pub frame: ClusterFrame,
     /// How far the pose is from the poses that the cluster's boxes were made for.
     pub excess: Excess,
-    /// Rays that enter it before it is refitted; `u32::MAX` where it is not for its excess.
+    /// Rays that enter it before it is refitted for its excess; `u32::MAX` for never.
     pub refit_after: u32,
 }
 
@@ -174,8 +178,11 @@ impl Instance {
                     morph_weights: &self.pose.morph_weights,
                 };
                 let nearest = &mut self.nearest_envelopes[row as usize];
-                self.motions
-                    .measure(&space, cluster.bone as usize, &inverse, pose, nearest)
+                let mut excess = self
+                    .motions
+                    .measure(&space, cluster.bone as usize, &inverse, pose, nearest);
+                excess.is_outside |= excess.largest() > UNKNOWN * longest_side(cluster);
+                excess
             }
         };
         let frame = ClusterFrame::new(&FrameInputs {
@@ -287,14 +294,14 @@ impl Instance {
 }
 
 fn refit_after(cluster: &ClusterRow, excess: &Excess) -> u32 {
-    if !excess.is_outside {
-        return u32::MAX;
-    }
-    let bounds = &cluster.bounds_local;
-    let side = (0..3).fold(0.0, |longest: f64, k| {
-        longest.max(f64::from(bounds.max[k]) - f64::from(bounds.min[k]))
-    });
-    let relative = excess.local.into_iter().fold(0.0, f64::max) / side;
+    let relative = excess.largest() / longest_side(cluster);
     // The cast saturates, and makes a NaN zero.
     (REFIT_RAYS / (relative * relative)) as u32
+}
+
+fn longest_side(cluster: &ClusterRow) -> f64 {
+    let bounds = &cluster.bounds_local;
+    (0..3).fold(0.0, |longest: f64, k| {
+        longest.max(f64::from(bounds.max[k]) - f64::from(bounds.min[k]))
+    })
 }

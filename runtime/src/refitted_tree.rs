@@ -5,8 +5,9 @@ use std::sync::{
     atomic::{AtomicU32, Ordering::Relaxed},
 };
 
-/// World boxes over the nodes of a fuzzy tree, where its cluster's own space is of no use in a frame: the topology is kept, its triangles are posed, and every node gets the box of what is below it. A tree of boxes, no longer a kd-tree:
-/// each triangle counts in the first leaf that references it, so that siblings overlap by no more than triangles do.
+/// World boxes over the nodes of a fuzzy tree, where its cluster's own space is of no use in a frame: the topology is kept,
+/// its triangles are posed, and every node gets the box of what is below it. A tree of boxes, no longer a kd-tree: each
+/// triangle counts in the first leaf that references it, so that siblings overlap by no more than triangles do.
 ///
 /// Made when a ray needs it, then kept for the frame. Threads that come at the same time wait for it.
 #[derive(Debug, Default)]
@@ -30,7 +31,7 @@ impl RefittedTree {
     /// Counts a ray that enters the cluster; true when as many as `rays` have done so before.
     pub(crate) fn is_worth_it(&self, rays: u32) -> bool {
         // One ray more or less changes no hit.
-        self.entered.fetch_add(1, Relaxed) >= rays
+        self.boxes.get().is_some() || self.entered.fetch_add(1, Relaxed) >= rays
     }
 
     /// The boxes of the cluster's nodes. `references` are its triangle rows, `first` says of each whether it is its

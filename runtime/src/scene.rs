@@ -202,8 +202,7 @@ impl Scene {
                 });
                 self.boxes.push(active.frame.bounds_world);
                 self.stats.clusters_outside += u32::from(active.excess.is_outside);
-                let excess = active.excess.local.into_iter().fold(0.0, f64::max);
-                self.stats.largest_excess = self.stats.largest_excess.max(excess as f32);
+                self.stats.largest_excess = self.stats.largest_excess.max(active.excess.largest() as f32);
                 match &active.frame.way {
                     Way::Local(local) => {
                         self.stats.largest_margin = self.stats.largest_margin.max(local.largest_margin());
@@ -222,10 +221,11 @@ impl Scene {
     }
 
     /// As [`Scene::commit`], but refuses poses outside the pose space that their asset was baked for instead of tracing
-    /// them with wider boxes: for those who would rather bake again than pay for it.
+    /// them with wider boxes: for those who would rather bake again than pay for it. A bone without usable inverse is not
+    /// refused: it has no boxes to leave.
     ///
     /// # Errors
-    /// [`PoseError::OutsidePoseSpace`], of the first cluster outside. Set another pose, or commit the same one.
+    /// [`PoseError::OutsidePoseSpace`], of the first cluster outside. The pose stays set: set another, or commit this one.
     pub fn commit_inside(&mut self) -> Result<Frame<'_>, PoseError> {
         self.commit();
         for (index, instance) in self.instances.iter().enumerate() {
@@ -238,7 +238,7 @@ impl Scene {
                 instance: index,
                 bone,
                 name: model.meta.bone_names[bone].clone(),
-                excess: active.excess.local.into_iter().fold(0.0, f64::max),
+                excess: active.excess.largest(),
             });
         }
         Ok(Frame { scene: self })

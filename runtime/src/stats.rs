@@ -11,11 +11,14 @@ pub struct FrameStats {
     /// Clusters of vertex caches whose trees were built for this frame over all of their posed triangles: in free motion,
     /// and where a cluster turns over or collapses between two keys.
     pub clusters_rebuilt: u32,
-    /// Clusters whose pose is outside the pose space that their boxes were made for, by more than rounding: they are
+    /// Clusters whose pose is outside the pose space that their boxes were made for, by more than rounding in `f64`. (A
+    /// palette that carries its bones far from the origin is itself rounded there, and leaves the pose space by that: let the
+    /// instance transform carry them.) They are
     /// traced with wider boxes, and their tree is refitted once so many rays have entered that this pays. Always 0 with
     /// sampled bounds, which do not know.
     pub clusters_outside: u32,
-    /// Largest length by which a cluster's boxes are widened for that, in the cluster's rest space.
+    /// Largest length by which a cluster's boxes are widened for its pose, in the cluster's rest space; inside it is what
+    /// rounding adds.
     pub largest_excess: f32,
     /// Nodes of the top-level tree.
     pub top_level_nodes: u32,
@@ -24,7 +27,8 @@ pub struct FrameStats {
     pub largest_margin: f32,
 }
 
-/// What rays cost. Counted only where asked for; sums over rays.
+/// What rays cost. Counted only where asked for; sums over rays. In poses outside their pose space they depend on the rays
+/// that came before in the frame, since a cluster is refitted once enough have entered it; hits do not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TraceCounters {
     /// Rays traced.

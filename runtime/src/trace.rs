@@ -230,7 +230,7 @@ fn enter_cluster<const ANY: bool>(
             let first = &state.asset.first_references()[rows][..references.len()];
             let pose = |triangle| state.pose_triangle(*cache, triangle);
             let boxes = state.refitted[*number as usize].boxes(nodes, references, first, pose);
-            let slab = SlabRay::in_world(traveller.origin, traveller.direction, &frame.bounds_world);
+            let slab = SlabRay::in_world(traveller.origin, traveller.direction, &boxes[0]);
             let mut visit = |leaf: Range<usize>, traveller: &mut Traveller, counters: &mut _| {
                 let own = references[leaf.clone()].iter().zip(&first[leaf]);
                 own.filter(|(_, first)| **first)

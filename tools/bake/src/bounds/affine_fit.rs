@@ -71,6 +71,9 @@ pub(crate) fn fit(chords: &[&Chord], levers: &[f64]) -> Vec<BoneEnvelopeRow> {
 fn rows_around(chords: &[&Chord], levers: &[f64], center: &[f64], direction: &[f64]) -> Vec<BoneEnvelopeRow> {
     let count = levers.len();
     let rounded = |x: &f64| f64::from(*x as f32);
+    let still = vec![0.0; count];
+    let finite = direction.iter().all(|x| (*x as f32).is_finite());
+    let direction = if finite { direction } else { &still };
     let center: Vec<f64> = center.iter().map(rounded).collect();
     let direction: Vec<f64> = direction.iter().map(rounded).collect();
     let square: f64 = (0..count)
@@ -93,6 +96,8 @@ fn rows_around(chords: &[&Chord], levers: &[f64], center: &[f64], direction: &[f
             .sum();
         for end in [&chord.begin, &chord.end] {
             let place: f64 = (0..count).map(|n| share[n] * (end[n] - center[n])).sum();
+            // Where the place is cut off at an end of the line, places between the chord's ends bend by as much.
+            let wander = wander + (place.abs() - 1.0).max(0.0);
             let place = place.clamp(-1.0, 1.0);
             for n in 0..count {
                 let off = (end[n] - center[n] - place * direction[n]).abs();

@@ -14,7 +14,7 @@ pub(crate) struct SampledPose {
     /// Per morph target row.
     pub morph_weights: Vec<f32>,
     /// Rest space from asset space, rows of the linear part, per bone row; `None` where the runtime, too, will find no
-    /// usable inverse and trace that cluster without its tree.
+    /// usable inverse and refit that cluster's tree.
     pub inverses: Vec<Option<[[f64; 3]; 3]>>,
 }
 

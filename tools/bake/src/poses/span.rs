@@ -5,6 +5,9 @@
 //! speed or are cubics brought to length one. What a span says of a bone's motion against another follows by the product
 //! rule along the skeleton ([`SpanMap::after`]), so it holds at all times, at overshoots of cubic splines and in the middle
 //! of arcs as well.
+//!
+//! Nothing bounds a span in which a scale may pass through zero, or a cubic of quaternions does. Such spans are in no
+//! envelope of the clusters that they concern: the runtime finds their poses outside and widens the boxes.
 
 use super::span_map::{SpanMap, SpanNumber};
 use glam::{DMat3, DQuat, DVec4};
@@ -349,7 +352,11 @@ pub(crate) fn spans_with_times(model: &Model) -> Vec<(Span, Option<usize>, [f64;
     }
     let turns: Vec<f64> = stretches
         .iter()
-        .map(|(clip, begin, end)| Span::of_clip(model, *clip, *begin, *end).greatest_turn())
+        // A turn of which nothing is known is cut as often as any.
+        .map(|(clip, begin, end)| {
+            let turn = Span::of_clip(model, *clip, *begin, *end).greatest_turn();
+            turn.min(GREATEST_TURN * MOST_CUTS)
+        })
         .collect();
     let cuts = |turn: f64, step: f64| (turn / step).ceil().clamp(1.0, MOST_CUTS) as usize;
     let mut step = GREATEST_TURN;
@@ -372,4 +379,70 @@ pub(crate) fn spans_with_times(model: &Model) -> Vec<(Span, Option<usize>, [f64;
         }));
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use restpose_formats::rows::{ClipRow, SampleRow};
+
+    /// Splines between opposite quaternions pass through zero, where nothing bounds how they turn. However many there are,
+    /// none of their spans is left out: other joints move in them, too.
+    #[test]
+    fn spans_that_nothing_bounds_are_all_there() {
+        const KEYS: usize = 300;
+        let mut model = Model {
+            nodes: vec![NodeRow::new(
+                NONE,
+                0,
+                Local::Trs {
+                    translation: [0.0; 3],
+                    rotation: [0.0, 0.0, 0.0, 1.0],
+                    scale: [1.0; 3],
+                },
+            )],
+            key_times: (0..KEYS).map(|key| key as f32 / 60.0).collect(),
+            ..Model::default()
+        };
+        for key in 0..KEYS {
+            let sign = if key % 2 == 0 { 1.0 } else { -1.0 };
+            model.key_values.extend([0.0; 4]);
+            model.key_values.extend([0.0, 0.6 * sign, 0.0, 0.8 * sign]);
+            model.key_values.extend([0.0; 4]);
+        }
+        model.channels.push(ChannelRow {
+            target: 0,
+            path: Path::Rotation as u32,
+            interpolation: Interpolation::CubicSpline as u32,
+            width: 4,
+            time_first: 0,
+            key_count: KEYS as u32,
+            value_first: 0,
+            reserved: 0,
+        });
+        model.clips.push(ClipRow {
+            start_seconds: 0.0,
+            end_seconds: model.key_times[KEYS - 1],
+            channel_first: 0,
+            channel_count: 1,
+        });
+        let sample = |seconds: &f32| SampleRow {
+            clip: 0,
+            seconds: *seconds,
+        };
+        model.samples = model.key_times.iter().map(sample).collect();
+        let spans = spans_with_times(&model);
+        for pair in model.key_times.windows(2) {
+            let inside = |(_, _, [begin, end]): &&(Span, Option<usize>, [f64; 2])| {
+                *begin >= f64::from(pair[0]) && *end <= f64::from(pair[1]) && begin < end
+            };
+            let covered: f64 = spans.iter().filter(inside).map(|(.., [begin, end])| end - begin).sum();
+            let whole = f64::from(pair[1]) - f64::from(pair[0]);
+            // Times are added up in f64.
+            assert!(
+                (covered - whole).abs() < 1e-9 * whole,
+                "{pair:?}: {covered} of {whole} s"
+            );
+        }
+    }
 }
