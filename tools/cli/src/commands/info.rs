@@ -192,9 +192,15 @@ fn text(report: &Report) -> String {
                 "poses     {} sampled; boxes hold for the bones of these, and for vertex caches at any time",
                 counts.samples
             ),
-            (Bounds::Envelope, _) => format!(
-                "poses     {} sampled, in {} envelopes of clusters; boxes hold for everything in between, and widen outside",
-                counts.samples, counts.envelopes
+            (Bounds::Envelope, caches) => format!(
+                "poses     {} sampled, in {} envelopes of clusters; boxes hold for everything in between, and widen outside{}",
+                counts.samples,
+                counts.envelopes,
+                if caches == 0 {
+                    ""
+                } else {
+                    "; for vertex caches at any time"
+                }
             ),
         },
     ];

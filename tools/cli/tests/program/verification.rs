@@ -127,7 +127,7 @@ fn poses_come_from_samples_clips_or_nowhere() {
             .json()
     };
     for (arguments, source) in [
-        (&[][..], "samples"),
+        (&[][..], "clips"),
         (&["--pose-source", "samples"], "samples"),
         (&["--pose-source", "clips"], "clips"),
     ] {

@@ -214,7 +214,7 @@ fn the_report_says_how_each_cache_was_baked() {
         assert!(run.stdout.contains(words), "{words}: {run:?}");
     }
     let info = restpose(folder.path(), ["info", "flag.rpose"]).succeeded();
-    for words in ["vertex cache of", "vertex caches at any time", "keyframed", "rigid"] {
+    for words in ["vertex cache of", "for vertex caches at any time", "keyframed", "rigid"] {
         assert!(info.stdout.contains(words), "{words}: {info:?}");
     }
     let json = restpose(folder.path(), ["info", "flag.rpose", "--json"])
