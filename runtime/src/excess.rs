@@ -177,9 +177,7 @@ impl Motions {
             let bone = &pose.bones[mover.bone];
             let linear = inverse_norm * bone.linear + 1.0;
             let offset = inverse_norm * (bone.translation + own.translation);
-            let levers = mover.levers[0] + mover.levers[3] + mover.levers[6] + mover.weight * morphed;
-            let pivot = mover.pivot[0].abs() + mover.pivot[1].abs() + mover.pivot[2].abs();
-            self.rounding += slack * (linear * (levers + mover.weight * pivot) + mover.weight * offset);
+            self.rounding += slack * (linear * (mover.spread + mover.weight * morphed) + mover.weight * offset);
             let motion = Motion::new(inverse, &own.columns, &bone.columns, mover, slack * linear);
             self.motions.push(motion);
         }
@@ -393,6 +391,7 @@ fn displacement(morphs: &[ClusterMorphRow], weight: impl Fn(usize, u32) -> f64) 
 }
 
 impl Motion {
+    #[inline]
     fn new(inverse: &[[f64; 3]; 3], own: &[[f64; 3]; 4], x: &[[f64; 3]; 4], mover: &Mover, error: f64) -> Self {
         let turned = |v: [f64; 3]| -> [f64; 3] {
             std::array::from_fn(|k| inverse[k][0] * v[0] + inverse[k][1] * v[1] + inverse[k][2] * v[2])

@@ -53,6 +53,9 @@ pub(crate) struct Mover {
     pub levers: [f64; 12],
     /// Their squares, by which the envelopes' lines were laid.
     pub squares: [f64; 12],
+    /// Length per unit by which errors of all entries of A − 1 displace a vertex, at most: the levers of one axis, and what
+    /// the pivot adds to d.
+    pub spread: f64,
 }
 
 /// One cluster's pose space.
@@ -188,12 +191,14 @@ impl Mover {
     fn new(bone: usize, row: &LeverRow) -> Self {
         let weight = f64::from(row.weight);
         let levers: [f64; 12] = std::array::from_fn(|n| if n < 9 { f64::from(row.lever[n / 3]) } else { weight });
+        let pivot = row.pivot.map(f64::from);
         Self {
             bone,
-            pivot: row.pivot.map(f64::from),
+            pivot,
             weight,
             levers,
             squares: levers.map(|lever| lever * lever),
+            spread: levers[0] + levers[3] + levers[6] + weight * (pivot[0].abs() + pivot[1].abs() + pivot[2].abs()),
         }
     }
 }
