@@ -94,7 +94,7 @@ impl ClusterSpace {
         }
         out.envelopes = groups.iter().map(|group| out.envelope(group, &levers)).collect();
         if out.envelopes.is_empty() {
-            // The cluster's frame has no inverse in any pose: its boxes are never used.
+            // Nothing bounds any pose of the pose space: the runtime measures from bones that stand still.
             let row = BoneEnvelopeRow {
                 center: [0.0; 12],
                 direction: [0.0; 12],
