@@ -1,8 +1,12 @@
 //! Builders of trees over boxes, and the cost model that they minimise.
 //!
 //! [`KdBuilder`] is the exact sweep; the baker runs it once per cluster over fuzzy boxes, the runtime every frame over
-//! the clusters' world boxes. [`KdTree`] says what a tree promises and checks it, [`sah_cost`] says how good one is.
+//! the clusters' world boxes. [`KdTree`] says what a tree promises and checks it, [`sah_cost`] says how good one is;
+//! [`Bvh`] does both for hierarchies. Builders over geometry take [`CheckedBoxes`].
 
+mod bvh;
+mod bvh_validate;
+mod checked_boxes;
 mod finite_box;
 mod kd_event;
 mod kd_split;
@@ -13,6 +17,9 @@ mod sah;
 #[cfg(test)]
 mod tests;
 
+pub use bvh::{Bvh, BvhContent, BvhNode, BvhSettings, MAX_BVH_DEPTH};
+pub use bvh_validate::BvhFault;
+pub use checked_boxes::{BuildError, CheckedBoxes};
 pub use kd_sweep::{KdBuilder, MAX_REFERENCE_GROWTH};
 pub use kd_tree::KdTree;
 pub use kd_validate::KdFault;
