@@ -86,7 +86,7 @@ pub fn shatter() -> Shatter {
 
 /// A round slab whose top is the ground.
 fn slab() -> Polygons {
-    let profile = [(1.5, -0.08), (1.5, -0.02), (1.47, 0.0)];
+    let profile = [(1.28, -0.08), (1.28, -0.02), (1.25, 0.0)];
     polygon_loft(&profile.map(|(radius, y)| circle(radius, y, 36)))
 }
 
@@ -100,8 +100,8 @@ fn bounces() -> [Bounce; 3] {
     };
     [
         bounce(0.0, [IMPACT.x - BALL_RADIUS, IMPACT.y, 0.0], DVec3::NEG_Z, 300.0),
-        bounce(0.4, [0.6, BALL_RADIUS, 0.15], DVec3::NEG_Z, 420.0),
-        bounce(0.8, [1.2, BALL_RADIUS, 0.3], DVec3::NEG_Z, 0.0),
+        bounce(0.4, [0.5, BALL_RADIUS, 0.15], DVec3::NEG_Z, 420.0),
+        bounce(0.8, [0.95, BALL_RADIUS, 0.3], DVec3::NEG_Z, 0.0),
     ]
 }
 
@@ -110,11 +110,14 @@ fn throw(shard: &Shard, rng: &mut Rng) -> Throw {
     let middle = shard.middle();
     let distance = middle.distance(IMPACT);
     let burst = (middle - DVec3::new(-0.1, 0.45, 0.0)).normalize_or(DVec3::Y);
-    let pushed = DVec3::X * (0.9 / (0.5 + distance));
+    let pushed = DVec3::X * (0.3 / (0.5 + distance));
     let own = in_ball(rng);
     Throw {
         seconds: distance / CRACK_SPEED,
-        velocity: burst * (0.3 + 0.7 * rng.f64()) + pushed * rng.f64() + own * 0.9 + DVec3::Y * 0.5,
+        velocity: burst * (0.3 + 0.6 * rng.f64())
+            + pushed * rng.f64()
+            + own * DVec3::new(0.65, 1.1, 0.65)
+            + DVec3::Y * 0.6,
         axis: in_ball(rng).normalize_or(DVec3::Y),
         spin_deg: 120.0 + 360.0 * rng.f64(),
     }
