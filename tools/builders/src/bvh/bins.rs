@@ -27,7 +27,7 @@ impl Projection {
     /// Along the axis on which centroids lie farthest apart; `None` when all coincide.
     pub(super) fn new(extent: &Extent) -> Option<Self> {
         let axis = extent.widest_centroid_axis()?;
-        let [least, greatest] = [&extent.centroids.lower, &extent.centroids.upper].map(|c| f64::from(c[axis]));
+        let [least, greatest] = extent.centroids.sides(axis).map(f64::from);
         Some(Self {
             axis,
             least,

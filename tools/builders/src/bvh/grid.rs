@@ -122,10 +122,11 @@ struct GridAxis {
 
 impl Grid {
     fn new(bounds: &LaneBox) -> Self {
-        let mut lengths: [f64; 3] = std::array::from_fn(|k| f64::from(bounds.upper[k]) - f64::from(bounds.lower[k]));
+        let sides: [[f64; 2]; 3] = std::array::from_fn(|k| bounds.sides(k).map(f64::from));
+        let mut lengths = sides.map(|[lower, upper]| upper - lower);
         let whole = lengths;
-        let mut axes = std::array::from_fn(|k| GridAxis {
-            least: f64::from(bounds.lower[k]),
+        let mut axes = sides.map(|[least, _]| GridAxis {
+            least,
             factor: 0.0,
             bits: [0; CELLS],
             places: 1,
@@ -145,7 +146,7 @@ impl Grid {
 
     #[inline]
     fn cell(&self, primitive: &Primitive) -> usize {
-        let center = primitive.bounds().center();
+        let center = primitive.bounds().center().to_array();
         let bits = |k: usize| self.axes[k].bits_at(center[k]);
         usize::from(bits(0) | bits(1) | bits(2))
     }

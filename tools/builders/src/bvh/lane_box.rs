@@ -1,51 +1,34 @@
 use restpose_formats::geom::Aabb;
+use wide::f32x4;
 
-/// A box in two vectors of four lanes, which compilers keep in one register each. The fourth lane means nothing.
+/// A box in two vectors of four lanes. The fourth lane means nothing.
 ///
 /// No lane is NaN and no zero is negative, so bounds do not depend on the order in which boxes are met.
-#[repr(C, align(16))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct LaneBox {
-    pub(super) lower: [f32; 4],
-    pub(super) upper: [f32; 4],
+    pub(super) lower: f32x4,
+    pub(super) upper: f32x4,
 }
 
 impl LaneBox {
     /// Contains nothing; growing by it changes nothing.
     pub(super) const EMPTY: Self = Self {
-        lower: [f32::INFINITY; 4],
-        upper: [f32::NEG_INFINITY; 4],
+        lower: f32x4::new([f32::INFINITY; 4]),
+        upper: f32x4::new([f32::NEG_INFINITY; 4]),
     };
 
     /// Grows just enough to contain `other`.
     #[inline]
     pub(super) fn grow(&mut self, other: &Self) {
-        self.grow_lanes(&other.lower, &other.upper);
+        self.lower = self.lower.fast_min(other.lower);
+        self.upper = self.upper.fast_max(other.upper);
     }
 
     /// Grows just enough to contain `point`.
     #[inline]
-    pub(super) fn grow_point(&mut self, point: &[f32; 4]) {
-        self.grow_lanes(point, point);
-    }
-
-    // `f32::min` must ask for NaN; a comparison is one instruction for four lanes.
-    #[inline]
-    fn grow_lanes(&mut self, lower: &[f32; 4], upper: &[f32; 4]) {
-        for k in 0..4 {
-            self.lower[k] = if lower[k] < self.lower[k] {
-                lower[k]
-            } else {
-                self.lower[k]
-            };
-        }
-        for k in 0..4 {
-            self.upper[k] = if upper[k] > self.upper[k] {
-                upper[k]
-            } else {
-                self.upper[k]
-            };
-        }
+    pub(super) fn grow_point(&mut self, point: f32x4) {
+        self.lower = self.lower.fast_min(point);
+        self.upper = self.upper.fast_max(point);
     }
 
     /// This box, grown by `other`.
@@ -54,26 +37,39 @@ impl LaneBox {
         self
     }
 
+    /// The lower and the upper side across one axis.
+    #[inline]
+    pub(super) fn sides(&self, axis: usize) -> [f32; 2] {
+        [self.lower.as_array()[axis], self.upper.as_array()[axis]]
+    }
+
     /// [`Aabb::center`] of each axis: does not overflow.
     #[inline]
-    pub(super) fn center(&self) -> [f32; 4] {
-        std::array::from_fn(|k| 0.5 * self.lower[k] + 0.5 * self.upper[k])
+    pub(super) fn center(&self) -> f32x4 {
+        let half = f32x4::splat(0.5);
+        half * self.lower + half * self.upper
     }
 
     /// [`Aabb::center`] of one axis.
     #[inline]
     pub(super) fn center_of(&self, axis: usize) -> f32 {
-        0.5 * self.lower[axis] + 0.5 * self.upper[axis]
+        let [lower, upper] = self.sides(axis);
+        0.5 * lower + 0.5 * upper
     }
 
     /// Half its length along one axis: does not overflow.
     #[inline]
     pub(super) fn half_length(&self, axis: usize) -> f32 {
-        0.5 * self.upper[axis] - 0.5 * self.lower[axis]
+        let [lower, upper] = self.sides(axis);
+        0.5 * upper - 0.5 * lower
     }
 
+    #[inline]
     pub(super) fn to_aabb(self) -> Aabb {
-        let three = |[x, y, z, _]: [f32; 4]| [x, y, z];
+        let three = |lanes: f32x4| {
+            let [x, y, z, _] = lanes.to_array();
+            [x, y, z]
+        };
         Aabb {
             min: three(self.lower),
             max: three(self.upper),
@@ -85,7 +81,7 @@ impl From<&Aabb> for LaneBox {
     #[inline]
     fn from(bounds: &Aabb) -> Self {
         // Adding zero turns −0 into +0.
-        let four = |[x, y, z]: [f32; 3]| [x + 0.0, y + 0.0, z + 0.0, 0.0];
+        let four = |[x, y, z]: [f32; 3]| f32x4::new([x, y, z, 0.0]) + f32x4::splat(0.0);
         Self {
             lower: four(bounds.min),
             upper: four(bounds.max),

@@ -1,5 +1,6 @@
 use super::lane_box::LaneBox;
 use restpose_runtime::build::BvhSettings;
+use wide::f32x4;
 
 /// Measures boxes inside one node, for Eq. 4.3: in proportion to their surface areas, in `f32`.
 ///
@@ -14,18 +15,20 @@ use restpose_runtime::build::BvhSettings;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Measure {
     /// ½ where lengths could overflow, else 1.
-    half: f32,
-    scale: f32,
-    width: [f32; 4],
+    half: f32x4,
+    scale: f32x4,
+    width: f32x4,
     node: f32,
 }
 
 impl Measure {
     pub(super) fn new(node: &LaneBox) -> Self {
         let longest = |half: f32| {
-            (0..3)
-                .map(|k| half * node.upper[k] - half * node.lower[k])
-                .fold(0.0, |a: f32, b| if b > a { b } else { a })
+            let sides = (0..3).map(|k| {
+                let [lower, upper] = node.sides(k);
+                half * upper - half * lower
+            });
+            sides.fold(0.0, |a: f32, b| if b > a { b } else { a })
         };
         let whole = longest(1.0);
         let (half, longest) = if whole.is_finite() {
@@ -36,15 +39,15 @@ impl Measure {
         // With biased exponent e it lies in 2^(e−127) to 2^(e−126); the scale is 2^(126−e), as far as it is a normal number.
         let exponent = longest.to_bits() >> 23;
         let mut measure = Self {
-            half,
-            scale: f32::from_bits(253_u32.saturating_sub(exponent).max(1) << 23),
-            width: [0.0; 4],
+            half: f32x4::splat(half),
+            scale: f32x4::splat(f32::from_bits(253_u32.saturating_sub(exponent).max(1) << 23)),
+            width: f32x4::ZERO,
             node: 0.0,
         };
         measure.node = measure.of(node);
         if measure.node == 0.0 {
-            let along_y = node.lower[1] < node.upper[1];
-            measure.width[if along_y { 0 } else { 1 }] = 1.0;
+            let [lower, upper] = node.sides(1);
+            measure.width.as_mut_array()[if lower < upper { 0 } else { 1 }] = 1.0;
             measure.node = measure.of(node);
         }
         measure
@@ -53,11 +56,9 @@ impl Measure {
     /// The measure of `part`, a box inside the node.
     #[inline]
     pub(super) fn of(&self, part: &LaneBox) -> f32 {
-        let mut side = [0.0; 4];
-        for k in 0..4 {
-            side[k] = (part.upper[k] * self.half - part.lower[k] * self.half) * self.scale + self.width[k];
-        }
-        side[0] * side[1] + side[1] * side[2] + side[2] * side[0]
+        let sides = (part.upper * self.half - part.lower * self.half) * self.scale + self.width;
+        let [x, y, z, _] = sides.to_array();
+        x * y + y * z + z * x
     }
 
     /// Whether Eq. 4.3 is less than the cost of a leaf with `count` primitives; `parts` is n_l SA(N_l) + n_r SA(N_r) in

@@ -114,15 +114,15 @@ impl Voxel {
 
     /// The plane across `axis`. In a voxel that has a length there, above its lower side and at most at its upper one.
     fn middle(&self, axis: usize) -> f32 {
-        let (lower, upper) = (self.0.lower[axis], self.0.upper[axis]);
+        let [lower, upper] = self.0.sides(axis);
         let middle = (0.5 * (f64::from(lower) + f64::from(upper))) as f32;
         if middle > lower { middle } else { lower.next_up() }
     }
 
     fn halves(&self, axis: usize, plane: f32) -> [Self; 2] {
         let (mut lower, mut upper) = (*self, *self);
-        lower.0.upper[axis] = plane;
-        upper.0.lower[axis] = plane;
+        lower.set_upper(axis, plane);
+        upper.set_lower(axis, plane);
         [lower, upper]
     }
 
@@ -133,24 +133,34 @@ impl Voxel {
     /// the voxel loses one side or the other to the plane until that lies between centroids.
     fn skip_empty_halves(&mut self, centroids: &LaneBox) -> Option<(usize, f32)> {
         for axis in 0..3 {
-            if centroids.lower[axis] == centroids.upper[axis] {
-                self.0.lower[axis] = centroids.lower[axis];
-                self.0.upper[axis] = centroids.upper[axis];
+            let [least, greatest] = centroids.sides(axis);
+            if least == greatest {
+                self.set_lower(axis, least);
+                self.set_upper(axis, least);
             }
         }
         loop {
             let axis = self.longest_axis();
-            if centroids.lower[axis] == centroids.upper[axis] {
+            let [least, greatest] = centroids.sides(axis);
+            if least == greatest {
                 return None;
             }
             let plane = self.middle(axis);
-            if centroids.upper[axis] < plane {
-                self.0.upper[axis] = plane;
-            } else if centroids.lower[axis] >= plane {
-                self.0.lower[axis] = plane;
+            if greatest < plane {
+                self.set_upper(axis, plane);
+            } else if least >= plane {
+                self.set_lower(axis, plane);
             } else {
                 return Some((axis, plane));
             }
         }
+    }
+
+    fn set_lower(&mut self, axis: usize, side: f32) {
+        self.0.lower.as_mut_array()[axis] = side;
+    }
+
+    fn set_upper(&mut self, axis: usize, side: f32) {
+        self.0.upper.as_mut_array()[axis] = side;
     }
 }

@@ -20,8 +20,8 @@ impl Primitive {
     #[inline]
     pub(super) fn new(bounds: &Aabb, id: u32) -> Self {
         let mut lanes = LaneBox::from(bounds);
-        lanes.lower[3] = f32::from_bits(ONE | id >> 16);
-        lanes.upper[3] = f32::from_bits(ONE | id & 0xffff);
+        lanes.lower.as_mut_array()[3] = f32::from_bits(ONE | id >> 16);
+        lanes.upper.as_mut_array()[3] = f32::from_bits(ONE | id & 0xffff);
         Self(lanes)
     }
 
@@ -32,7 +32,8 @@ impl Primitive {
 
     #[inline]
     pub(super) fn id(&self) -> u32 {
-        self.0.lower[3].to_bits() << 16 | self.0.upper[3].to_bits() & 0xffff
+        let [high, low] = self.0.sides(3);
+        high.to_bits() << 16 | low.to_bits() & 0xffff
     }
 }
 
@@ -60,7 +61,7 @@ impl Extent {
     #[inline]
     pub(super) fn grow(&mut self, primitive: &Primitive) {
         self.bounds.grow(primitive.bounds());
-        self.centroids.grow_point(&primitive.bounds().center());
+        self.centroids.grow_point(primitive.bounds().center());
     }
 
     pub(super) fn union(self, other: &Self) -> Self {
@@ -75,8 +76,8 @@ impl Extent {
         let c = &self.centroids;
         let mut widest = None;
         for axis in 0..3 {
-            let apart = c.lower[axis] < c.upper[axis];
-            if apart && widest.is_none_or(|w| c.half_length(axis) > c.half_length(w)) {
+            let [least, greatest] = c.sides(axis);
+            if least < greatest && widest.is_none_or(|w| c.half_length(axis) > c.half_length(w)) {
                 widest = Some(axis);
             }
         }
@@ -124,7 +125,7 @@ mod tests {
         for id in [0, 1, 0xffff, 0x1_0000, 0x1234_5678, 0x7fff_ffff, u32::MAX] {
             let primitive = Primitive::new(&bounds, id);
             assert_eq!((primitive.id(), primitive.bounds().to_aabb()), (id, bounds));
-            let lanes = [primitive.bounds().lower[3], primitive.bounds().upper[3]];
+            let lanes = primitive.bounds().sides(3);
             assert!(lanes.iter().all(|x| (1.0..2.0).contains(x)), "{lanes:?}");
         }
         assert_eq!(size_of::<Primitive>(), 32);
