@@ -138,8 +138,8 @@ fn partition(primitives: &mut [Primitive], projection: &Projection, bin: usize) 
     let mut extents = [Extent::EMPTY; 2];
     let mut middle = 0;
     for next in 0..primitives.len() {
+        let right = projection.bin(&primitives[next]) >= bin;
         let primitive = primitives[next];
-        let right = projection.bin(&primitive) >= bin;
         extents[usize::from(right)].grow(&primitive);
         primitives[next] = primitives[middle];
         primitives[middle] = primitive;

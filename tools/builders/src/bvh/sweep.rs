@@ -162,8 +162,8 @@ fn sift(list: &mut [Primitive], sides: &[u8], spare: &mut [Primitive]) {
     let (mut left, mut right) = (0, 0);
     // Writing before deciding keeps the loop free of branches that depend on the data.
     for next in 0..list.len() {
+        let side = usize::from(sides[list[next].id() as usize]);
         let primitive = list[next];
-        let side = usize::from(sides[primitive.id() as usize]);
         list[left] = primitive;
         left += 1 - side;
         spare[right] = primitive;
