@@ -4,12 +4,11 @@ use wide::f32x4;
 
 /// Measures boxes inside one node, for Eq. 4.3: in proportion to their surface areas, in `f32`.
 ///
-/// Lengths are scaled by a power of two that brings the node's longest side near 1. So no area overflows, and none
-/// underflows but where it is smaller than 2⁻¹²⁶ of the square over that side. Relative error of an area: at most
-/// 8 · 2⁻²⁴, from as many operations.
+/// Lengths are scaled by a power of two that brings the node's longest side near 1, so nothing overflows. A measure errs by
+/// at most 8 · 2⁻²⁴ of itself, from as many operations, and 2⁻⁴⁰ of the node's, from what underflows.
 ///
 /// Boxes in a node without area are measured by their lengths, as in [`Bvh::sah_cost`]: the node is a line, and passes for
-/// a ribbon 1 wide.
+/// a ribbon 1 wide. So does one whose area is less than [`LINE`] of the square over its longest side.
 ///
 /// [`Bvh::sah_cost`]: restpose_runtime::build::Bvh::sah_cost
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +19,9 @@ pub(super) struct Measure {
     width: f32x4,
     node: f32,
 }
+
+/// 2⁻¹⁰⁰: so much above the smallest normal number that areas in the node keep their digits.
+const LINE: f32 = f32::from_bits((127 - 100) << 23);
 
 impl Measure {
     pub(super) fn new(node: &LaneBox) -> Self {
@@ -45,7 +47,7 @@ impl Measure {
             node: 0.0,
         };
         measure.node = measure.of(node);
-        if measure.node == 0.0 {
+        if measure.node < LINE {
             let [lower, upper] = node.sides(1);
             measure.width.as_mut_array()[if lower < upper { 0 } else { 1 }] = 1.0;
             measure.node = measure.of(node);

@@ -1,0 +1,34 @@
+use super::builders::all_bvh_builders;
+use super::families::exponential;
+use super::tree_sets::{built, depth};
+use restpose_builders::bvh::{BinnedBvh, MedianBvh, SweepBvh};
+use restpose_runtime::build::{BvhSettings, MAX_BVH_DEPTH};
+
+/// Splits always pay.
+const FREE: BvhSettings = BvhSettings {
+    traversal_cost: -1.0,
+    intersection_cost: 1.0,
+};
+
+#[test]
+fn the_deepest_trees_stay_within_the_limit() {
+    for entry in all_bvh_builders() {
+        for n in [70, 250, 1_000, 30_000] {
+            let boxes = exponential(n, 0);
+            let tree = built(&mut *(entry.make)(), &boxes, &FREE);
+            assert_eq!(tree.validate(&boxes), Ok(()), "{}, {n} boxes", entry.name);
+        }
+    }
+}
+
+#[test]
+fn the_limit_is_reached_where_it_binds() {
+    let boxes = exponential(1_000, 0);
+    let mut median = MedianBvh::default();
+    median.leaf_size = 1;
+    let mut binned = BinnedBvh::default();
+    binned.leaf_size = 1;
+    assert_eq!(depth(&built(&mut median, &boxes, &FREE)), MAX_BVH_DEPTH);
+    assert_eq!(depth(&built(&mut binned, &boxes, &FREE)), MAX_BVH_DEPTH);
+    assert_eq!(depth(&built(&mut SweepBvh::default(), &boxes, &FREE)), MAX_BVH_DEPTH);
+}
