@@ -20,24 +20,15 @@ pub(super) struct Measure {
     node: f32,
 }
 
-/// 2⁻¹⁰⁰: so much above the smallest normal number that areas in the node keep their digits.
-const LINE: f32 = f32::from_bits((127 - 100) << 23);
+/// 2⁻⁹⁶: so much above the smallest normal number that areas in the node keep their digits.
+const LINE: f32 = f32::from_bits((127 - 96) << 23);
 
 impl Measure {
     pub(super) fn new(node: &LaneBox) -> Self {
-        let longest = |half: f32| {
-            let sides = (0..3).map(|k| {
-                let [lower, upper] = node.sides(k);
-                half * upper - half * lower
-            });
-            sides.fold(0.0, |a: f32, b| if b > a { b } else { a })
-        };
-        let whole = longest(1.0);
-        let (half, longest) = if whole.is_finite() {
-            (1.0, whole)
-        } else {
-            (0.5, longest(0.5))
-        };
+        let axis = node.longest_axis();
+        let whole = node.length(axis);
+        let half = if whole > f64::from(f32::MAX) { 0.5 } else { 1.0 };
+        let longest = (f64::from(half) * whole) as f32;
         // With biased exponent e it lies in 2^(e−127) to 2^(e−126); the scale is 2^(126−e), as far as it is a normal number.
         let exponent = longest.to_bits() >> 23;
         let mut measure = Self {
@@ -48,8 +39,7 @@ impl Measure {
         };
         measure.node = measure.of(node);
         if measure.node < LINE {
-            let [lower, upper] = node.sides(1);
-            measure.width.as_mut_array()[if lower < upper { 0 } else { 1 }] = 1.0;
+            measure.width.as_mut_array()[(axis + 1) % 3] = 1.0;
             measure.node = measure.of(node);
         }
         measure

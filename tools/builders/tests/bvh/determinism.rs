@@ -81,10 +81,6 @@ fn hybrid_trees_are_binned_trees() {
 fn shuffled_boxes_give_the_same_nodes() {
     for entry in all_bvh_builders().iter().filter(|entry| entry.order_free) {
         for (name, family) in FAMILIES {
-            // Sets so deep that the rest is halved by index are not free of their order.
-            if name == "exponential" {
-                continue;
-            }
             for n in [10, 100, 4_000] {
                 let boxes = family(n, 11);
                 let mut shuffled = boxes.clone();

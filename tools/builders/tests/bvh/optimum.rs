@@ -1,8 +1,8 @@
 use super::families::FAMILIES;
-use super::tree_sets::{built, children, listed};
+use super::tree_sets::{built, children, depths, listed};
 use restpose_builders::bvh::{BinnedBvh, SweepBvh};
 use restpose_formats::geom::Aabb;
-use restpose_runtime::build::{Bvh, BvhSettings};
+use restpose_runtime::build::{Bvh, BvhSettings, MAX_BVH_DEPTH};
 
 /// Costs of builders are in `f32`, stated to err by 2⁻²⁰ at most. Two of them are compared.
 const TOLERANCE: f64 = 1.0 / (1 << 19) as f64;
@@ -27,7 +27,7 @@ impl Node {
         let sides = |b: &Aabb| -> [f64; 3] { std::array::from_fn(|k| f64::from(b.max[k]) - f64::from(b.min[k])) };
         let longest = sides(&self.bounds).into_iter().fold(0.0, f64::max);
         let length = |b: &Aabb| sides(b).iter().sum::<f64>();
-        if self.bounds.surface_area() > f64::exp2(-100.0) * longest * longest {
+        if self.bounds.surface_area() > f64::exp2(-96.0) * longest * longest {
             part.surface_area() / self.bounds.surface_area()
         } else {
             length(part) / length(&self.bounds)
@@ -46,6 +46,11 @@ impl Node {
         (counts[0] > 0.0 && counts[1] > 0.0).then_some(settings.traversal_cost + settings.intersection_cost * tests)
     }
 
+    /// Whether it may have been parted into halves to keep the tree within its depth.
+    fn is_low(&self, depth: usize) -> bool {
+        depth + self.boxes.len().next_power_of_two().ilog2() as usize >= MAX_BVH_DEPTH
+    }
+
     fn leaf_cost(&self, settings: &BvhSettings) -> f64 {
         settings.intersection_cost * self.boxes.len() as f64
     }
@@ -61,7 +66,7 @@ impl Node {
     /// The bin of each box; `None` when all centroids coincide.
     fn binning(&self) -> Option<impl Fn(&Aabb) -> usize> {
         let centroids = Aabb::around(self.boxes.iter().map(Aabb::center));
-        let length = |k: usize| 0.5 * centroids.max[k] - 0.5 * centroids.min[k];
+        let length = |k: usize| f64::from(centroids.max[k]) - f64::from(centroids.min[k]);
         let apart = (0..3).filter(|k| centroids.min[*k] < centroids.max[*k]);
         let axis = apart.reduce(|a, b| if length(b) > length(a) { b } else { a })?;
         let [least, greatest] = [centroids.min[axis], centroids.max[axis]].map(f64::from);
@@ -101,8 +106,11 @@ fn sweep_splits_are_the_optimum_over_all_planes() {
                 for seed in 0..4 {
                     let boxes = family(n, seed);
                     let tree = built(&mut builder, &boxes, &settings);
-                    for index in 0..tree.nodes.len() {
+                    for (index, depth) in depths(&tree).into_iter().enumerate() {
                         let node = Node::new(&tree, index, &boxes);
+                        if node.is_low(depth) {
+                            continue;
+                        }
                         let label = format!("{name}, {n} boxes, seed {seed}, node {index}");
                         let least = node.cheapest_plane(&settings);
                         let Some(children) = children(&tree, index) else {
@@ -136,8 +144,11 @@ fn binned_splits_are_the_best_of_their_bins() {
             for seed in 0..4 {
                 let boxes = family(n, seed);
                 let tree = built(&mut builder, &boxes, &settings);
-                for index in 0..tree.nodes.len() {
+                for (index, depth) in depths(&tree).into_iter().enumerate() {
                     let node = Node::new(&tree, index, &boxes);
+                    if node.is_low(depth) {
+                        continue;
+                    }
                     let label = format!("{name}, {n} boxes, seed {seed}, node {index}");
                     let bin = node.binning();
                     let border_cost = |border: usize| {
@@ -146,9 +157,9 @@ fn binned_splits_are_the_best_of_their_bins() {
                     };
                     let least = (1..BINS).filter_map(border_cost).min_by(f64::total_cmp);
                     let Some([left, right]) = children(&tree, index) else {
-                        leaves += usize::from(node.boxes.len() > builder.leaf_size);
                         if node.boxes.len() > builder.leaf_size {
                             check_choice(&node, None, least, &settings, &label);
+                            leaves += 1;
                         }
                         continue;
                     };

@@ -40,13 +40,13 @@ pub(crate) fn bits(tree: &Bvh) -> (Vec<[u32; 6]>, Vec<BvhContent>, Vec<u32>) {
     (sides.collect(), contents.collect(), tree.references.clone())
 }
 
-/// Inner nodes above the deepest leaf.
-pub(crate) fn depth(tree: &Bvh) -> usize {
+/// Inner nodes above each node.
+pub(crate) fn depths(tree: &Bvh) -> Vec<usize> {
     let mut depths = vec![0; tree.nodes.len()];
     for node in 0..tree.nodes.len() {
         for child in children(tree, node).into_iter().flatten() {
             depths[child] = depths[node] + 1;
         }
     }
-    depths.into_iter().max().unwrap_or(0)
+    depths
 }
