@@ -28,6 +28,11 @@ impl<'a> Span<'a> {
         }
     }
 
+    /// The same with primitives from elsewhere, and those that it had.
+    pub(super) fn with_primitives(self, primitives: &'a mut [Primitive]) -> (Self, &'a mut [Primitive]) {
+        (Self { primitives, ..self }, self.primitives)
+    }
+
     /// Two children, the left one with `count` primitives.
     pub(super) fn split_at(self, count: usize) -> [Self; 2] {
         let (left, right) = self.primitives.split_at_mut(count);
@@ -61,8 +66,8 @@ impl<'a> Span<'a> {
 /// Nodes are appended depth first, left before right, so a sub-tree's nodes lie together.
 #[derive(Debug)]
 pub(super) struct SubtreeBuilder<'a> {
-    pub(super) settings: &'a BvhSettings,
-    pub(super) leaf_size: usize,
+    settings: &'a BvhSettings,
+    leaf_size: usize,
     bins: Bins,
 }
 
