@@ -67,13 +67,7 @@ impl BvhBuilder for FusedBvh {
             bins: &mut self.bins,
             nodes: &mut tree.nodes,
         };
-        let count = boxes.len();
-        let root = build.room_for(&Side { extent, count }, 0);
-        if let Some(map) = &root.map {
-            for primitive in &self.primitives {
-                map.add(primitive, build.bins);
-            }
-        }
+        let root = build.bin(&self.primitives, extent, 0);
         build.fill(Span::root(&mut self.primitives, &mut tree.references), &root, 0);
     }
 }
@@ -89,6 +83,19 @@ impl Build<'_> {
         self.bins
             .resize(self.bins.len() + map.as_ref().map_or(0, BinMap::len), Bin::EMPTY);
         Binned { extent, map }
+    }
+
+    /// Puts the bins of a node on the stack, filled in a pass of its own.
+    fn bin(&mut self, primitives: &[Primitive], extent: Extent, depth: usize) -> Binned {
+        let first = self.bins.len();
+        let count = primitives.len();
+        let node = self.room_for(&Side { extent, count }, depth);
+        if let Some(map) = &node.map {
+            for primitive in primitives {
+                map.add(primitive, &mut self.bins[first..]);
+            }
+        }
+        node
     }
 
     /// Writes the node at `index`, whose bins are the last, and appends what is below.
@@ -128,18 +135,21 @@ impl Build<'_> {
         Some((count, children))
     }
 
-    /// Parts the primitives into two halves by their centroids along the widest axis.
-    fn halve(&self, span: &mut Span<'_>, node: &Binned) -> Option<(usize, [Binned; 2])> {
+    /// Parts the primitives into two halves by their centroids along the widest axis. Puts the children's bins on the stack.
+    fn halve(&mut self, span: &mut Span<'_>, node: &Binned) -> Option<(usize, [Binned; 2])> {
         let axis = node.extent.widest_centroid_axis()?;
-        let count = span.primitives.len();
         let middle = sort_into_halves(span.primitives, axis);
         let (left, right) = span.primitives.split_at(middle);
+        let sides = [left, right];
+        let extents = sides.map(Extent::of);
         let measure = Measure::new(&node.extent.bounds);
-        let extents = [left, right].map(Extent::of);
-        let parts =
-            measure.of(&extents[0].bounds) * left.len() as f32 + measure.of(&extents[1].bounds) * right.len() as f32;
-        let pays = measure.split_pays(parts, count, self.settings);
-        pays.then(|| (middle, extents.map(|extent| Binned { extent, map: None })))
+        let parts = [0, 1].map(|side| measure.of(&extents[side].bounds) * sides[side].len() as f32);
+        if !measure.split_pays(parts[0] + parts[1], span.primitives.len(), self.settings) {
+            return None;
+        }
+        let right = self.bin(right, extents[1], span.depth + 1);
+        let left = self.bin(left, extents[0], span.depth + 1);
+        Some((middle, [left, right]))
     }
 }
 
