@@ -1,8 +1,9 @@
 //! Builders of bounding volume hierarchies.
 //!
-//! All see a box by its centroid. A leaf lists its references ascending, so a tree does not tell how the builder's list
-//! was rearranged on the way. Where splits would lead deeper than
-//! [`MAX_BVH_DEPTH`](restpose_runtime::build::MAX_BVH_DEPTH), the primitives left are parted into equal halves.
+//! All see a box by its centroid. But for [`StreamedBvh`], a leaf lists its references ascending, so a tree does not tell
+//! how the builder's list was rearranged on the way, and where splits would lead deeper than
+//! [`MAX_BVH_DEPTH`](restpose_runtime::build::MAX_BVH_DEPTH), the primitives left are parted into equal halves by their
+//! centroids.
 
 mod binned;
 mod bins;
