@@ -32,9 +32,10 @@ impl BinCount {
         max: 32,
     };
 
-    /// Settings outside their ranges count as the nearest inside.
+    /// Bins for so many primitives, 2 to [`BinCount::LIMIT`]: settings outside their ranges count as the nearest inside.
+    #[must_use]
     #[inline(always)]
-    pub(super) fn of(self, primitives: usize) -> usize {
+    pub fn of(self, primitives: usize) -> usize {
         let max = self.max.clamp(2, Self::LIMIT) as usize;
         let min = (self.min as usize).clamp(2, max);
         (primitives / self.ratio.max(1) as usize).clamp(min, max)

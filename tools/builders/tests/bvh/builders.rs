@@ -1,4 +1,8 @@
-use restpose_builders::bvh::{BinnedBvh, BvhBuilder, GridBvh, HybridBvh, MedianBvh, SweepBvh};
+use restpose_builders::bvh::{BinnedBvh, BvhBuilder, FusedBvh, GridBvh, HybridBvh, MedianBvh, SweepBvh};
+use restpose_runtime::{
+    build::{BinCount, StreamedBvh},
+    simd::SimdLevel,
+};
 
 /// A builder under test.
 pub(crate) struct Entry {
@@ -23,9 +27,26 @@ fn entry<B: BvhBuilder + Default + Send + 'static>(name: &'static str, by_cost: 
 pub(crate) fn all_bvh_builders() -> Vec<Entry> {
     vec![
         entry::<SweepBvh>("sweep", true, true),
+        entry::<FusedBvh>("fused", true, true),
+        Entry {
+            make: || Box::new(fast_fused()),
+            ..entry::<FusedBvh>("fused, fast", true, true)
+        },
+        entry::<StreamedBvh>("streamed", true, false),
+        Entry {
+            make: || Box::new(StreamedBvh::new(BinCount::FAST, SimdLevel::detect())),
+            ..entry::<StreamedBvh>("streamed, fast", true, false)
+        },
         entry::<BinnedBvh>("binned", true, true),
         entry::<HybridBvh>("hybrid", true, true),
         entry::<GridBvh>("grid", false, true),
         entry::<MedianBvh>("median", false, true),
     ]
+}
+
+/// By the dissertation's fast settings.
+pub(crate) fn fast_fused() -> FusedBvh {
+    let mut builder = FusedBvh::default();
+    builder.bin_count = BinCount::FAST;
+    builder
 }

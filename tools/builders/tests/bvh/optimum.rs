@@ -1,8 +1,9 @@
+use super::builders::fast_fused;
 use super::families::FAMILIES;
 use super::tree_sets::{built, children, depths, listed};
-use restpose_builders::bvh::{BinnedBvh, SweepBvh};
+use restpose_builders::bvh::{BinnedBvh, BvhBuilder, FusedBvh, SweepBvh};
 use restpose_formats::geom::Aabb;
-use restpose_runtime::build::{Bvh, BvhSettings, MAX_BVH_DEPTH};
+use restpose_runtime::build::{BinCount, Bvh, BvhSettings, MAX_BVH_DEPTH};
 
 /// Costs of builders are in `f32`, stated to err by 2⁻²⁰ at most. Two of them are compared.
 const TOLERANCE: f64 = 1.0 / (1 << 19) as f64;
@@ -63,16 +64,48 @@ impl Node {
             .min_by(f64::total_cmp)
     }
 
-    /// The bin of each box; `None` when all centroids coincide.
-    fn binning(&self) -> Option<impl Fn(&Aabb) -> usize> {
-        let centroids = Aabb::around(self.boxes.iter().map(Aabb::center));
+    fn centroids(&self) -> Aabb {
+        Aabb::around(self.boxes.iter().map(Aabb::center))
+    }
+
+    /// The bins of [`BinnedBvh`]: along the widest axis, none when all centroids coincide.
+    fn bins_of_binned(&self) -> Vec<Binning> {
+        let centroids = self.centroids();
         let length = |k: usize| f64::from(centroids.max[k]) - f64::from(centroids.min[k]);
         let apart = (0..3).filter(|k| centroids.min[*k] < centroids.max[*k]);
-        let axis = apart.reduce(|a, b| if length(b) > length(a) { b } else { a })?;
-        let [least, greatest] = [centroids.min[axis], centroids.max[axis]].map(f64::from);
-        let scale = BINS as f64 * (1.0 - f64::exp2(-50.0)) / (greatest - least);
-        Some(move |own: &Aabb| ((f64::from(own.center()[axis]) - least) * scale) as usize)
+        let widest = apart.reduce(|a, b| if length(b) > length(a) { b } else { a });
+        let binning = |axis: usize| {
+            let least = f64::from(centroids.min[axis]);
+            let scale = BINS as f64 * (1.0 - f64::exp2(-50.0)) / length(axis);
+            let bin = Box::new(move |own: &Aabb| ((f64::from(own.center()[axis]) - least) * scale) as usize);
+            Binning { count: BINS, bin }
+        };
+        widest.map(binning).into_iter().collect()
     }
+
+    /// The bins of [`FusedBvh`]: along each axis as many as the dissertation has.
+    fn bins_of_fused(&self, bin_count: BinCount) -> Vec<Binning> {
+        let centroids = self.centroids();
+        let BinCount { ratio, min, max } = bin_count;
+        let count = (self.boxes.len() as u32 / ratio).clamp(min, max) as usize;
+        let binning = |axis: usize| {
+            let least = centroids.min[axis];
+            let length = f64::from(centroids.max[axis]) - f64::from(least);
+            let factor = (count as f64 / length).min(f64::from(f32::MAX)) as f32;
+            let bin = Box::new(move |own: &Aabb| {
+                let place = (own.center()[axis] - least) * factor;
+                place.min((count - 1) as f32) as usize
+            });
+            Binning { count, bin }
+        };
+        (0..3).map(binning).collect()
+    }
+}
+
+/// Bins along one axis.
+struct Binning {
+    count: usize,
+    bin: Box<dyn Fn(&Aabb) -> usize>,
 }
 
 /// Checks a node of `tree` against the least cost of a split that the builder may choose.
@@ -83,14 +116,6 @@ fn check_choice(node: &Node, found: Option<f64>, least: Option<f64>, settings: &
         found.unwrap_or(leaf) <= bound,
         "{label}: {found:?}, least {least:?}, leaf {leaf}"
     );
-}
-
-/// Boxes compared by their bits, in any order.
-fn sorted(boxes: &[Aabb]) -> Vec<[u32; 6]> {
-    let sides = |b: &Aabb| std::array::from_fn(|k| if k < 3 { b.min[k] } else { b.max[k - 3] }.to_bits());
-    let mut all: Vec<_> = boxes.iter().map(sides).collect();
-    all.sort_unstable();
-    all
 }
 
 #[test]
@@ -134,43 +159,45 @@ fn sweep_splits_are_the_optimum_over_all_planes() {
     );
 }
 
-#[test]
-fn binned_splits_are_the_best_of_their_bins() {
-    let mut builder = BinnedBvh::default();
+/// Checks that nodes with more than `leaf_size` boxes are parted between bins, where that is cheapest.
+fn check_bins(builder: &mut dyn BvhBuilder, leaf_size: usize, binnings: impl Fn(&Node) -> Vec<Binning>) {
     let settings = BvhSettings::default();
     let (mut splits, mut leaves) = (0, 0);
     for (name, family) in FAMILIES {
         for n in [3, 5, 8, 13, 40, 300] {
             for seed in 0..4 {
                 let boxes = family(n, seed);
-                let tree = built(&mut builder, &boxes, &settings);
+                let tree = built(builder, &boxes, &settings);
                 for (index, depth) in depths(&tree).into_iter().enumerate() {
                     let node = Node::new(&tree, index, &boxes);
                     if node.is_low(depth) {
                         continue;
                     }
                     let label = format!("{name}, {n} boxes, seed {seed}, node {index}");
-                    let bin = node.binning();
-                    let border_cost = |border: usize| {
-                        let bin = bin.as_ref()?;
-                        node.cost(&settings, |own| bin(own) < border)
-                    };
-                    let least = (1..BINS).filter_map(border_cost).min_by(f64::total_cmp);
-                    let Some([left, right]) = children(&tree, index) else {
-                        if node.boxes.len() > builder.leaf_size {
+                    let binnings = binnings(&node);
+                    let border_cost = |axis: &Binning, border| node.cost(&settings, |own| (axis.bin)(own) < border);
+                    let borders = binnings
+                        .iter()
+                        .flat_map(|axis| (1..axis.count).map(move |border| (axis, border)));
+                    let least = borders
+                        .filter_map(|(axis, border)| border_cost(axis, border))
+                        .min_by(f64::total_cmp);
+                    let Some(children) = children(&tree, index) else {
+                        if node.boxes.len() > leaf_size {
                             check_choice(&node, None, least, &settings, &label);
                             leaves += 1;
                         }
                         continue;
                     };
-                    assert!(node.boxes.len() > builder.leaf_size, "{label}");
-                    let bin = bin.as_ref().unwrap();
-                    let [left, right] = [left, right].map(|child| Node::new(&tree, child, &boxes));
-                    let border = right.boxes.iter().map(bin).min().unwrap();
-                    assert!(left.boxes.iter().all(|own| bin(own) < border), "{label}");
-                    let below: Vec<_> = node.boxes.iter().copied().filter(|own| bin(own) < border).collect();
-                    assert_eq!(sorted(&left.boxes), sorted(&below), "{label}");
-                    check_choice(&node, border_cost(border), least, &settings, &label);
+                    assert!(node.boxes.len() > leaf_size, "{label}");
+                    let [left, right] = children.map(|child| Node::new(&tree, child, &boxes));
+                    let found = binnings.iter().find_map(|axis| {
+                        let border = right.boxes.iter().map(&axis.bin).min()?;
+                        let is_it = left.boxes.iter().all(|own| (axis.bin)(own) < border);
+                        is_it.then(|| border_cost(axis, border))?
+                    });
+                    assert!(found.is_some(), "{label}: not parted between bins");
+                    check_choice(&node, found, least, &settings, &label);
                     splits += 1;
                 }
             }
@@ -180,4 +207,19 @@ fn binned_splits_are_the_best_of_their_bins() {
         splits > 5_000 && leaves > 200,
         "only {splits} splits and {leaves} leaves were compared"
     );
+}
+
+#[test]
+fn binned_splits_are_the_best_of_their_bins() {
+    let mut builder = BinnedBvh::default();
+    let leaf_size = builder.leaf_size;
+    check_bins(&mut builder, leaf_size, Node::bins_of_binned);
+}
+
+#[test]
+fn fused_splits_are_the_best_of_their_bins() {
+    check_bins(&mut FusedBvh::default(), 1, |node| {
+        node.bins_of_fused(BinCount::ACCURATE)
+    });
+    check_bins(&mut fast_fused(), 1, |node| node.bins_of_fused(BinCount::FAST));
 }
