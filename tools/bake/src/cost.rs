@@ -108,9 +108,10 @@ impl StructureCost {
         }
     }
 
-    /// Whether a frame of `rays` is expected to be cheaper with a hierarchy built for it. Turns at most once as `rays` grow.
+    /// Whether a frame of `rays` is expected to be cheaper with a hierarchy built for it; never without rays. Turns at most
+    /// once as `rays` above zero grow.
     pub(crate) fn is_free(&self, rays: f64) -> bool {
-        (self.fuzzy.ray - self.rebuilt.ray) * rays > self.rebuilt.frame - self.fuzzy.frame
+        rays > 0.0 && (self.fuzzy.ray - self.rebuilt.ray) * rays > self.rebuilt.frame - self.fuzzy.frame
     }
 
     /// Rays of a frame at which both ways cost the same; `None` where one is cheaper for any number.
@@ -168,15 +169,13 @@ mod tests {
             let mut up_to = |most: f64| most.powf(random.f64());
             let (fuzzy, clusters, rebuilt, triangles) = (up_to(1e4), up_to(1e3), up_to(1e3), up_to(1e7));
             let costs = costs(fuzzy, clusters, rebuilt, triangles as usize);
-            let rays = [0.0]
-                .into_iter()
-                .chain((0..1_024).map(|power| 2f64.powi(power)))
-                .chain([f64::MAX]);
+            let rays = (-1_000..1_024).map(|power| 2f64.powi(power)).chain([f64::MAX]);
             let chosen: Vec<bool> = rays.clone().map(|rays| costs.is_free(rays)).collect();
             let turns = chosen.windows(2).filter(|pair| pair[0] != pair[1]).count();
             assert!(turns <= 1, "{costs:?}");
             assert_eq!(turns == 1, costs.even_rays().is_some(), "{costs:?}");
-            // Without rays only frames count: hierarchies cost by triangles, fuzzy trees by clusters.
+            assert!(!costs.is_free(0.0), "nothing pays for a hierarchy that no ray meets");
+            // With hardly a ray only frames count: hierarchies cost by triangles, fuzzy trees by clusters.
             assert_eq!(chosen[0], costs.rebuilt.frame < costs.fuzzy.frame);
             // With rays without end only rays count.
             assert_eq!(chosen[chosen.len() - 1], costs.rebuilt.ray < costs.fuzzy.ray);
@@ -212,6 +211,6 @@ mod tests {
         };
         let costs = StructureCost::new(&turning, 20.0, 1_000);
         assert_eq!(costs.fuzzy.frame - costs.rebuilt.frame, CLUSTER_NANOSECONDS);
-        assert!(costs.is_free(0.0), "what is built anyway needs no clusters");
+        assert!(costs.is_free(1.0), "what is built anyway needs no clusters");
     }
 }
