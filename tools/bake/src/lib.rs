@@ -18,7 +18,7 @@ mod trees;
 pub mod verify;
 mod write_file;
 
-pub use caches::{CacheReport, SegmentReport};
+pub use caches::{CacheReport, ExpectedFrame, SegmentReport};
 pub use error::BakeError;
 pub use motion::keyframed::{DecomposeReport, DecomposeSettings};
 pub use pipeline::{Baked, bake};

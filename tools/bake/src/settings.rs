@@ -43,8 +43,8 @@ pub struct BakeSettings {
     pub motion: DecomposeSettings,
     /// Vertex caches: time segments.
     pub segments: SegmentSettings,
-    /// Vertex caches: rays for which a frame is made, at least 0. Where a tree built for each frame would cost less than
-    /// fuzzy trees, the part is in free motion. Default 10,000.
+    /// Vertex caches: rays of a frame that meet the part, at least 0. Where a tree built for each frame is expected to take
+    /// less time than fuzzy trees, on one thread, the part is in free motion; 0: only where that is asked for. Default 10,000.
     pub rays_per_frame: f64,
 }
 

@@ -10,6 +10,7 @@ mod rows;
 mod segment;
 mod split;
 mod stored_positions;
+mod structure;
 
 pub(crate) use part::{add_caches, cache_row};
-pub use report::{CacheReport, SegmentReport};
+pub use report::{CacheReport, ExpectedFrame, SegmentReport};

@@ -1,13 +1,14 @@
 use super::{
     homes::{shared_points, weld},
-    report::CacheReport,
+    report::{CacheReport, ExpectedFrame},
     rows,
     segment::{PartKeys, Segment},
     split::split_in_time,
+    structure::{fuzzy_trees, rebuilt_cost},
 };
 use crate::{
     BakeError, BakeSettings, Progress,
-    cost::{expected_cost, fuzzy_tree, is_free},
+    cost::StructureCost,
     import::Animation,
     motion::Classified,
     motion::keyframed::{DecomposeSettings, TrackKind},
@@ -17,14 +18,10 @@ use restpose_formats::{
     geom::{Aabb, round::f32_above},
     rows::{CacheRow, KeyVertexRow, MotionClass, NONE},
 };
-use restpose_runtime::build::{KdBuilder, KdTree};
 use std::borrow::Cow;
 
 /// Part of the model's diagonal that positions may be off by where the settings do not say.
 const DEFAULT_POSITION_ERROR: f64 = 1.0 / 65_536.0;
-
-/// Keys for which a tree over posed triangles is built, to compare with.
-const COMPARED_KEYS: usize = 5;
 
 /// Bakes the caches of all parts that have one: their rows, and their part's class, reason and rest positions.
 ///
@@ -75,7 +72,8 @@ fn add_cache(
     if triangles.is_empty() {
         class.reason = "no triangle has an area in any key".to_owned();
         rows::add_free(model, cache, &keys.frames, keys.weld.len(), &triangles)?;
-        return Ok(CacheReport::without_clusters(keys.frames.len()));
+        let nothing = ExpectedFrame::new(&StructureCost::default(), settings.rays_per_frame);
+        return Ok(CacheReport::without_clusters(keys.frames.len(), nothing));
     }
     let budget = settings
         .position_error
@@ -91,31 +89,32 @@ fn add_cache(
         Some(MotionClass::Free) => vec![whole],
         _ => split_in_time(&keys, whole, &settings.segments, &decompose, budget, progress)?,
     };
-    let fuzzy = mean_cost(&segments);
-    let rebuilt = rebuilt_cost(&keys);
+    let (fuzzy, rebuilt) = (fuzzy_trees(&segments), rebuilt_cost(&keys));
+    let costs = StructureCost::new(&fuzzy, rebuilt, triangles.len());
+    let expected = ExpectedFrame::new(&costs, settings.rays_per_frame);
     let counts = KindCounts::new(&segments);
     let (found, numbers) = if counts.coherent_triangles == 0 && segments.iter().all(|one| one.clusters.len() == 1) {
         (MotionClass::Rigid, "one map moves all of it".to_owned())
     } else {
-        let free = is_free(fuzzy, rebuilt, triangles.len(), settings.rays_per_frame);
+        let free = costs.is_free(settings.rays_per_frame);
         let class = if free {
             MotionClass::Free
         } else {
             MotionClass::Keyframed
         };
-        (class, counts.text())
+        (class, format!("{}; {expected}", counts.text()))
     };
     class.decide(&animation.parts[part].name, found, |asked| {
         let kind = if asked { "asked for; " } else { "" };
-        format!("{kind}{numbers}; expected steps per ray {fuzzy:.1}, rebuilt every frame {rebuilt:.1}")
+        format!("{kind}{numbers}")
     })?;
 
     let mut report = CacheReport {
-        expected_cost: fuzzy,
+        expected_cost: fuzzy.cost,
         expected_cost_one_segment: one_cost,
         expected_cost_rebuilt: rebuilt,
         bytes_one_segment: one_bytes,
-        ..CacheReport::without_clusters(keys.frames.len())
+        ..CacheReport::without_clusters(keys.frames.len(), expected)
     };
     model.parts[part].class = class.class as u32;
     let (vertex_first, vertex_count) = (model.parts[part].vertex_first as usize, keys.weld.len());
@@ -134,17 +133,6 @@ fn add_cache(
         row.position_rest = *position;
     }
     Ok(report)
-}
-
-/// Expected cost over all keys.
-fn mean_cost(segments: &[Segment]) -> f64 {
-    let intervals = |segment: &Segment| (segment.keys.end() - segment.keys.start()).max(1) as f64;
-    let all: f64 = segments.iter().map(intervals).sum();
-    segments
-        .iter()
-        .map(|segment| segment.cost * intervals(segment))
-        .sum::<f64>()
-        / all
 }
 
 /// The part's positions in every key, by the order of its vertices in the file.
@@ -208,24 +196,6 @@ fn diagonal(keys: &PartKeys) -> f64 {
             .sum();
         f64::max(longest, square.sqrt())
     })
-}
-
-/// Expected cost through a tree over the posed triangles, mean over a few keys.
-fn rebuilt_cost(keys: &PartKeys) -> f64 {
-    let count = keys.frames.len().min(COMPARED_KEYS);
-    let cost = |place: usize| {
-        let frame = &keys.frames[place * keys.frames.len() / count];
-        let boxes: Vec<Aabb> = keys
-            .triangles
-            .iter()
-            .map(|triangle| Aabb::around(triangle.map(|corner| frame[corner as usize])))
-            .collect();
-        let mut tree = KdTree::default();
-        KdBuilder::new().build(&boxes, &fuzzy_tree(), &mut tree);
-        let bounds = [tree.bounds];
-        expected_cost([(&tree, bounds.as_slice())].into_iter())
-    };
-    (0..count).map(cost).sum::<f64>() / count as f64
 }
 
 /// Clusters and triangles by kind.

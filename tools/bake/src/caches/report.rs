@@ -1,5 +1,5 @@
 use super::segment::Segment;
-use crate::motion::keyframed::DecomposeReport;
+use crate::{cost::StructureCost, motion::keyframed::DecomposeReport};
 use serde::Serialize;
 
 /// How a vertex cache was baked.
@@ -15,8 +15,11 @@ pub struct CacheReport {
     pub expected_cost: f64,
     /// The same with one segment over all keys: what time segments gain.
     pub expected_cost_one_segment: f64,
-    /// The same through a tree over the posed triangles, mean over a few keys.
+    /// Expected cost, Eq. 4.1 with constants of 1, of such a ray through the hierarchy that the runtime builds over posed
+    /// triangles, mean over a few keys: nodes visited and triangles tested.
     pub expected_cost_rebuilt: f64,
+    /// What both ways are expected to take per frame.
+    pub expected_frame: ExpectedFrame,
     /// Greatest root of the mean squared residual over the segments, scene units.
     pub residual: f64,
     /// Bytes of clusters, tracks, positions and trees.
@@ -29,7 +32,7 @@ pub struct CacheReport {
 
 impl CacheReport {
     /// Of a cache that is stored as it is.
-    pub(super) fn without_clusters(keys: usize) -> Self {
+    pub(super) fn without_clusters(keys: usize, expected_frame: ExpectedFrame) -> Self {
         Self {
             keys: keys as u64,
             position_error: 0.0,
@@ -37,6 +40,7 @@ impl CacheReport {
             expected_cost: 0.0,
             expected_cost_one_segment: 0.0,
             expected_cost_rebuilt: 0.0,
+            expected_frame,
             residual: 0.0,
             bytes: 0,
             bytes_one_segment: 0,
@@ -56,6 +60,50 @@ impl CacheReport {
             .sum();
         self.bytes_per_vertex_key = position_bytes as f64 / (vertex_count as f64 * self.keys as f64);
         self.segments = segments.iter().map(SegmentReport::new).collect();
+    }
+}
+
+/// What the two ways to trace a part are expected to take per frame, on one thread. The cheaper one decides whether motion
+/// that is not rigid is keyframed or free.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct ExpectedFrame {
+    /// Rays of a frame that meet the part: [`BakeSettings::rays_per_frame`](crate::BakeSettings::rays_per_frame).
+    pub rays: f64,
+    /// Milliseconds with fuzzy trees: preparing their clusters, and the rays.
+    pub fuzzy_ms: f64,
+    /// Milliseconds with a hierarchy built in the frame: posing all triangles, building, and the rays.
+    pub rebuilt_ms: f64,
+    /// Rays of a frame for which both take as long; `None` where one is faster for any number.
+    pub even_rays: Option<f64>,
+}
+
+impl ExpectedFrame {
+    pub(super) fn new(costs: &StructureCost, rays: f64) -> Self {
+        Self {
+            rays,
+            fuzzy_ms: costs.fuzzy_milliseconds(rays),
+            rebuilt_ms: costs.rebuilt_milliseconds(rays),
+            even_rays: costs.even_rays(),
+        }
+    }
+}
+
+impl std::fmt::Display for ExpectedFrame {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self {
+            rays,
+            fuzzy_ms,
+            rebuilt_ms,
+            even_rays,
+        } = self;
+        write!(
+            f,
+            "expected {fuzzy_ms:.3} ms a frame with fuzzy trees, {rebuilt_ms:.3} ms rebuilt, at {rays} rays on one thread"
+        )?;
+        match even_rays {
+            Some(even) => write!(f, "; even at {even:.0} rays"),
+            None => Ok(()),
+        }
     }
 }
 

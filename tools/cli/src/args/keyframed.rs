@@ -60,7 +60,8 @@ pub struct KeyframedArgs {
     /// Split where the saved fraction of the expected cost is at least this times the added fraction of bytes, 0 or more
     #[arg(long, value_name = "FACTOR", default_value_t = SegmentSettings::default().worth, value_parser = |text: &str| values::number_from(text, 0.0, f64::MAX))]
     pub segment_worth: f64,
-    /// Rays that a frame is made for, 0 or more: where a tree built in every frame would pay, motion is free
+    /// Rays of a frame that meet the part, 0 or more: where posing all of it and building a tree in every frame is expected
+    /// to take less time than fuzzy trees, on one thread, motion is free; 0: only where --class says so
     #[arg(long, value_name = "N", default_value_t = BakeSettings::default().rays_per_frame, value_parser = |text: &str| values::number_from(text, 0.0, f64::MAX))]
     pub rays_per_frame: f64,
 }
