@@ -1,0 +1,101 @@
+use super::BuildersSettings;
+use serde::Serialize;
+
+/// What [`measure_builders`](super::measure_builders) measured.
+///
+/// All rows are flat. Relative numbers compare with `reference`, the first measured builder of the same kind of tree, over
+/// the same boxes in the same order; above 1 is better. A number that cannot be had is null.
+#[derive(Clone, Debug, Serialize)]
+pub struct BuildersReport {
+    /// Name and version of this object's form.
+    pub schema: &'static str,
+    /// What was asked for.
+    pub settings: BuildersSettings,
+    /// A row per scene, order, builder and number of threads.
+    pub builds: Vec<BuildFigures>,
+    /// Rays that were compared with brute force; all were compared with the first builder's.
+    pub brute_force_rays: u64,
+}
+
+impl BuildersReport {
+    /// Adds the rows of another scene, measured with the same settings.
+    pub fn append(&mut self, mut other: Self) {
+        self.builds.append(&mut other.builds);
+        self.brute_force_rays += other.brute_force_rays;
+    }
+}
+
+/// One builder over one scene on so many threads.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BuildFigures {
+    /// File name of the source, or kind and count of a generated scene.
+    pub scene: String,
+    /// Triangles, a box each.
+    pub triangles: u64,
+    /// Whether they are in random order.
+    pub shuffled: bool,
+    /// `bvh` or `kd`.
+    pub tree: &'static str,
+    /// Builder.
+    pub builder: &'static str,
+    /// Where it is described.
+    pub source: &'static str,
+    /// Whether it is somebody else's.
+    pub peer: bool,
+    /// Builder that it is compared with.
+    pub reference: &'static str,
+    /// Threads.
+    pub threads: usize,
+    /// Builds that were timed.
+    pub builds: usize,
+    /// Seconds of a build whose builder has built before and keeps its memory: the median. Where one build took longer than
+    /// `settings.seconds`, `first_seconds`.
+    pub seconds: f64,
+    /// Seconds of a builder's first build, with taking memory from the system: the median.
+    pub first_seconds: f64,
+    /// Million triangles per second, from `seconds`.
+    pub mtris_per_s: f64,
+    /// The reference's seconds on the first number of threads over these.
+    pub speedup: f64,
+    /// Seconds of the same builder on the first number of threads over these.
+    pub scaling: f64,
+    /// Expected cost of the tree by Eq. 4.1, costs of steps and tests as by default.
+    pub sah_cost: f64,
+    /// The reference's over this.
+    pub sah_relative: f64,
+    /// Nodes.
+    pub nodes: u64,
+    /// Entries of leaves.
+    pub references: u64,
+    /// Inner nodes above the deepest leaf.
+    pub depth: u64,
+    /// Bytes of nodes and references.
+    pub tree_bytes: u64,
+    /// Most memory that the build took beside the boxes, the tree included; known on Linux, for two million triangles and
+    /// more.
+    pub peak_bytes_per_triangle: Option<f64>,
+    /// Camera rays.
+    pub primary_rays: u64,
+    /// Share of them that hit.
+    pub primary_hit_fraction: f64,
+    /// Inner nodes visited per camera ray.
+    pub primary_steps: f64,
+    /// Triangles tested per camera ray.
+    pub primary_tests: f64,
+    /// Million camera rays per second, one thread.
+    pub primary_mrays_per_s: f64,
+    /// The reference's time over this one's, camera rays.
+    pub render_relative: f64,
+    /// Random rays.
+    pub random_rays: u64,
+    /// Share of them that hit.
+    pub random_hit_fraction: f64,
+    /// Inner nodes visited per random ray.
+    pub random_steps: f64,
+    /// Triangles tested per random ray.
+    pub random_tests: f64,
+    /// Million random rays per second, one thread.
+    pub random_mrays_per_s: f64,
+    /// The reference's time over this one's, random rays.
+    pub random_render_relative: f64,
+}
