@@ -106,6 +106,15 @@ pub enum MeasureError {
         /// Threads of the build that differs.
         threads: usize,
     },
+    /// Somebody else's builder failed.
+    #[cfg(feature = "peers")]
+    #[error("{peer}: {fault}; leave it out")]
+    Peer {
+        /// Whose.
+        peer: &'static str,
+        /// What happened.
+        fault: String,
+    },
     /// Two trees disagree on what a ray hits, so their times mean nothing.
     #[error(transparent)]
     WrongTreeHit(#[from] Box<WrongTreeHit>),

@@ -54,10 +54,12 @@ pub(super) fn contestant_count(builders: &[Builder], settings: &BuildersSettings
         .sum()
 }
 
-fn thread_counts<'s>(builder: &Builder, settings: &'s BuildersSettings) -> &'s [usize] {
+fn thread_counts(builder: &Builder, settings: &BuildersSettings) -> Vec<usize> {
     match builder.threads {
-        Threads::One => &[1],
-        Threads::Any => &settings.threads,
+        Threads::One => vec![1],
+        Threads::Any => settings.threads.clone(),
+        #[cfg(feature = "peers")]
+        Threads::All => vec![std::thread::available_parallelism().map_or(1, usize::from)],
     }
 }
 
@@ -100,10 +102,10 @@ impl Contest<'_> {
         let mut contestants: Vec<Contestant> = Vec::new();
         let mut first: Option<Tree> = None;
         for threads in thread_counts(builder, self.settings) {
-            let pool = self.settings.threads.iter().position(|known| known == threads);
+            let pool = self.settings.threads.iter().position(|known| *known == threads);
             // The last pool has one thread.
             let pool = pool.unwrap_or(pools.len() - 1);
-            let mut worker = (builder.make)(*threads)?;
+            let mut worker = (builder.make)(threads)?;
             worker.prepare(boxes)?;
             let (seconds, peak_bytes) = peak_while(|| timed(worker.as_mut(), boxes, &pools[pool]));
             let tree = worker.take_tree()?;
@@ -111,7 +113,7 @@ impl Contest<'_> {
             tree.validate(boxes.get()).map_err(|source| MeasureError::Tree {
                 scene: self.scene.to_owned(),
                 builder: builder.name.to_owned(),
-                threads: *threads,
+                threads,
                 source,
             })?;
             match &first {
@@ -121,14 +123,14 @@ impl Contest<'_> {
                         scene: self.scene.to_owned(),
                         builder: builder.name.to_owned(),
                         first: contestants[0].threads,
-                        threads: *threads,
+                        threads,
                     });
                 }
                 Some(_) => {}
             }
             contestants.push(Contestant {
                 builder,
-                threads: *threads,
+                threads,
                 pool,
                 examined_seconds: seconds?,
                 peak_bytes,

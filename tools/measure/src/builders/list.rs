@@ -25,7 +25,11 @@ pub(super) struct Builder {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Threads {
     One,
+    /// Those of the pool that it runs in, or as many as it is made for.
     Any,
+    /// All of the machine, whatever it is told.
+    #[cfg(feature = "peers")]
+    All,
 }
 
 use Threads::One;
@@ -41,10 +45,13 @@ pub(super) fn builders() -> Vec<Builder> {
         is_peer: false,
         make,
     };
-    vec![own("kd-sweep", Kd, "Günther §4.1.2", One, |_| {
+    let mut all = vec![own("kd-sweep", Kd, "Günther §4.1.2", One, |_| {
         let mut builder = KdBuilder::new();
         Ok(kd_worker(move |boxes, tree| {
             builder.build(boxes.get(), &KdSettings::default(), tree);
         }))
-    })]
+    })];
+    #[cfg(feature = "peers")]
+    all.extend(super::peers::peers());
+    all
 }

@@ -8,6 +8,8 @@
 mod contest;
 mod list;
 mod page;
+#[cfg(feature = "peers")]
+mod peers;
 mod rays;
 mod render;
 mod report;
