@@ -4,7 +4,10 @@ use crate::{
 };
 use restpose_bake::BakeError;
 use restpose_formats::FormatError;
-use restpose_runtime::{Hit, PoseError, Ray, build::BuildError};
+use restpose_runtime::{
+    Hit, PoseError, Ray,
+    build::{BuildError, BvhFault},
+};
 
 /// Why nothing was measured.
 #[derive(Debug, thiserror::Error)]
@@ -106,6 +109,9 @@ pub enum MeasureError {
         /// Threads of the build that differs.
         threads: usize,
     },
+    /// A tree could not be refitted; a defect of its builder.
+    #[error("{0}; please report this")]
+    Refit(#[from] BvhFault),
     /// Somebody else's builder failed.
     #[cfg(feature = "peers")]
     #[error("{peer}: {fault}; leave it out")]

@@ -256,15 +256,23 @@ fn poses_lines(measured: &PosesReport) -> Vec<String> {
 }
 
 fn builders_lines(measured: &BuildersReport) -> Vec<String> {
-    [rows_lines(&measured.orders()), rows_lines(&measured.builds)].concat()
+    [
+        rows_lines(&measured.orders()),
+        rows_lines(&measured.animations),
+        rows_lines(&measured.builds),
+    ]
+    .concat()
 }
 
-fn rows_lines<const N: usize, R: TextRow<N>>(rows: &[R]) -> [String; 4] {
+fn rows_lines<const N: usize, R: TextRow<N>>(rows: &[R]) -> Vec<String> {
+    if rows.is_empty() {
+        return Vec::new();
+    }
     let mut table = Table::new(R::COLUMNS);
     for row in rows {
         table.add(row.cells());
     }
-    [
+    vec![
         format!("{}: {}", R::TITLE, R::LEGEND),
         String::new(),
         table.to_string(),

@@ -2,10 +2,11 @@
 
 use super::{
     tree::TreeKind,
-    worker::{Worker, kd_worker},
+    worker::{Worker, bvh_worker, kd_worker, refit_worker},
 };
 use crate::MeasureError;
-use restpose_runtime::build::{KdBuilder, KdSettings};
+use restpose_builders::bvh::{BinnedBvh, GridBvh, HybridBvh, MedianBvh, SweepBvh};
+use restpose_runtime::build::KdBuilder;
 
 /// A builder.
 pub(super) struct Builder {
@@ -32,12 +33,12 @@ pub(super) enum Threads {
     All,
 }
 
-use Threads::One;
-use TreeKind::Kd;
+use Threads::{Any, One};
+use TreeKind::{Bvh, Kd};
 
 /// All builders. The first of each kind is the one that the others are compared with.
 pub(super) fn builders() -> Vec<Builder> {
-    let own = |name, kind, source, threads, make| Builder {
+    let own = |kind, name, source, threads, make| Builder {
         name,
         kind,
         source,
@@ -45,13 +46,35 @@ pub(super) fn builders() -> Vec<Builder> {
         is_peer: false,
         make,
     };
-    let mut all = vec![own("kd-sweep", Kd, "Günther §4.1.2", One, |_| {
-        let mut builder = KdBuilder::new();
-        Ok(kd_worker(move |boxes, tree| {
-            builder.build(boxes.get(), &KdSettings::default(), tree);
-        }))
-    })];
+    #[cfg_attr(
+        not(feature = "peers"),
+        expect(unused_mut, reason = "nothing is added without peers")
+    )]
+    let mut all = vec![
+        own(Bvh, "bvh-sweep", "Günther §4.1.2", One, |_| {
+            Ok(bvh_worker(SweepBvh::default()))
+        }),
+        own(Bvh, "bvh-binned", "Wald §3", One, |_| {
+            Ok(bvh_worker(BinnedBvh::default()))
+        }),
+        own(Bvh, "bvh-median", "Wald §2.3", One, |_| {
+            Ok(bvh_worker(MedianBvh::default()))
+        }),
+        own(Bvh, "bvh-hybrid", "Wald §4.1", Any, |_| {
+            Ok(bvh_worker(HybridBvh::default()))
+        }),
+        own(Bvh, "bvh-grid", "Wald §4.2", Any, |_| {
+            Ok(bvh_worker(GridBvh::default()))
+        }),
+        own(Bvh, "bvh-refit", "Günther §2.3", Any, |_| Ok(refit_worker())),
+        own(Kd, "kd-sweep", "Günther §4.1.2", One, |_| Ok(kd_sweep())),
+    ];
     #[cfg(feature = "peers")]
     all.extend(super::peers::peers());
     all
+}
+
+fn kd_sweep() -> Box<dyn Worker> {
+    let mut builder = KdBuilder::new();
+    kd_worker(move |boxes, settings, tree| builder.build(boxes.get(), settings, tree))
 }

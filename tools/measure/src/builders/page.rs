@@ -25,7 +25,9 @@ pub fn page(report: &BuildersReport) -> String {
     body += &plots(report).iter().map(Plot::svg).collect::<String>();
     body += "</div>\n";
     body += &section(&report.orders());
+    body += &section(&report.animations);
     body += &section(&report.builds);
+    body += &section(&report.theirs);
     document("Tree builders", &body)
 }
 

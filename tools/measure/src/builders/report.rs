@@ -1,4 +1,4 @@
-use super::BuildersSettings;
+use super::{BuildersSettings, TheirFigures};
 use serde::Serialize;
 
 /// What [`measure_builders`](super::measure_builders) measured.
@@ -13,6 +13,12 @@ pub struct BuildersReport {
     pub settings: BuildersSettings,
     /// A row per scene, order, builder and number of threads.
     pub builds: Vec<BuildFigures>,
+    /// A row per animation and builder that makes use of the frame before.
+    pub animations: Vec<AnimationFigures>,
+    /// A row per frame of these.
+    pub animation_frames: Vec<FrameFigures>,
+    /// What the papers report.
+    pub theirs: Vec<TheirFigures>,
     /// Rays that were compared with brute force; all were compared with the first builder's.
     pub brute_force_rays: u64,
 }
@@ -21,6 +27,8 @@ impl BuildersReport {
     /// Adds the rows of another scene, measured with the same settings.
     pub fn append(&mut self, mut other: Self) {
         self.builds.append(&mut other.builds);
+        self.animations.append(&mut other.animations);
+        self.animation_frames.append(&mut other.animation_frames);
         self.brute_force_rays += other.brute_force_rays;
     }
 }
@@ -98,4 +106,66 @@ pub struct BuildFigures {
     pub random_mrays_per_s: f64,
     /// The reference's time over this one's, random rays.
     pub random_render_relative: f64,
+}
+
+/// A builder that makes use of the frame before, over an animation: a row of Hussain and Grahn's Table I. One thread.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AnimationFigures {
+    /// File name of the source.
+    pub scene: String,
+    /// Triangles.
+    pub triangles: u64,
+    /// Frames.
+    pub frames: u64,
+    /// Builder.
+    pub builder: &'static str,
+    /// Builder that builds each frame afresh, and that it is compared with.
+    pub reference: &'static str,
+    /// Seconds of the reference: median over the frames but the first, as in what follows.
+    pub exact_seconds: f64,
+    /// Seconds of the first frame.
+    pub initial_seconds: f64,
+    /// Seconds of a later frame.
+    pub running_seconds: f64,
+    /// Share of the reference's seconds that is saved.
+    pub reduction: f64,
+    /// The SAH cost of the reference's tree over this one's: mean.
+    pub sah_relative: f64,
+    /// The least of these.
+    pub sah_relative_least: f64,
+    /// Share of the nodes whose plane was foreseen: mean. Null where nothing is foreseen, as in what follows.
+    pub tracked_fraction: Option<f64>,
+    /// Distance of a foreseen plane from the best, relative to the length of its cell: mean.
+    pub prediction_error: Option<f64>,
+    /// Evaluations of the cost in search of a plane that was foreseen: mean.
+    pub tracked_steps: Option<f64>,
+    /// The same where it was not.
+    pub untracked_steps: Option<f64>,
+}
+
+/// One frame of it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FrameFigures {
+    /// File name of the source.
+    pub scene: String,
+    /// Counted from 0.
+    pub frame: u64,
+    /// Builder.
+    pub builder: &'static str,
+    /// Seconds: median of the passes.
+    pub seconds: f64,
+    /// Seconds of the reference.
+    pub exact_seconds: f64,
+    /// Expected cost of the tree by Eq. 4.1.
+    pub sah_cost: f64,
+    /// The reference's over this.
+    pub sah_relative: f64,
+    /// As in [`AnimationFigures`].
+    pub tracked_fraction: Option<f64>,
+    /// As in [`AnimationFigures`].
+    pub prediction_error: Option<f64>,
+    /// As in [`AnimationFigures`].
+    pub tracked_steps: Option<f64>,
+    /// As in [`AnimationFigures`].
+    pub untracked_steps: Option<f64>,
 }

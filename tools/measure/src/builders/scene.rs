@@ -1,9 +1,10 @@
-use super::scenes::{Generated, Triangle};
-use crate::{MeasureError, clock::pose, posed_rays::corners};
-use restpose_bake::{BakeSettings, MotionClass, NoProgress, bake, import::Animation};
-use restpose_formats::{Bounds, write};
-use restpose_runtime::{Asset, Scene};
-use std::sync::Arc;
+use super::{
+    key_frames::key_frames,
+    sampled_frames::sampled_frames,
+    scenes::{Generated, Triangle},
+};
+use crate::MeasureError;
+use restpose_bake::import::Animation;
 
 /// Triangles to build trees over.
 #[derive(Clone, Debug)]
@@ -25,48 +26,26 @@ impl BuilderScene {
         }
     }
 
-    /// A source as it stands at the start of its first clip, or without any, and up to `frames` sampled poses of that clip.
+    /// A source at the start of its first clip, or without any; and up to `frames` frames of that clip: those of its vertex
+    /// caches, else its sampled poses.
     ///
     /// # Errors
-    /// [`MeasureError`]: the source does not bake, or has no triangles.
+    /// [`MeasureError`]: the source does not bake.
     pub fn imported(animation: &Animation, frames: usize) -> Result<Self, MeasureError> {
-        // No clusters: only posed triangles are asked for, and those as they are in the source.
-        let caches = animation.parts.iter().filter(|part| part.cache.is_some());
-        let settings = BakeSettings {
-            bounds: Bounds::Sampled,
-            position_error: Some(0.0),
-            class_overrides: caches.map(|part| (part.name.clone(), MotionClass::Free)).collect(),
-            ..BakeSettings::default()
+        let most = frames.max(1);
+        let mut frames = match key_frames(animation, most) {
+            Some(frames) => frames,
+            None => sampled_frames(animation, most)?,
         };
-        let baked = bake(animation, &settings, &NoProgress)?;
-        let asset = Arc::new(Asset::from_bytes(&write(&baked.model)?)?);
-        let samples = &asset.model().samples;
-        let first_clip: Vec<_> = samples.iter().filter(|sample| sample.clip == 0).collect();
-        let mut scene = Scene::new();
-        let instance = scene.add(&asset);
-        let posed = |scene: &mut Scene| -> Vec<Triangle> {
-            let points = corners(&scene.commit(), instance, &asset);
-            points
-                .chunks_exact(3)
-                .map(|points| [points[0], points[1], points[2]])
-                .collect()
+        let triangles = if frames.len() > 1 {
+            frames[0].clone()
+        } else {
+            frames.pop().unwrap_or_default()
         };
-        let mut poses = Vec::new();
-        for sample in first_clip.into_iter().take(frames.max(1)) {
-            pose(&mut scene, instance, sample)?;
-            poses.push(posed(&mut scene));
-        }
-        let triangles = match poses.first() {
-            Some(first) => first.clone(),
-            None => posed(&mut scene),
-        };
-        if poses.len() < 2 || frames == 0 {
-            poses.clear();
-        }
         Ok(Self {
             name: animation.source_name.clone(),
             triangles,
-            frames: poses,
+            frames,
         })
     }
 
@@ -74,5 +53,48 @@ impl BuilderScene {
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use restpose_bake::import::{ImportSettings, import_files};
+    use std::path::Path;
+
+    fn sample(names: &[&str]) -> Animation {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../samples/scenes");
+        let paths: Vec<_> = names.iter().map(|name| folder.join(name)).collect();
+        import_files(&paths, &ImportSettings::default()).unwrap().animation
+    }
+
+    #[test]
+    fn frames_of_caches_and_of_clips_are_posed() {
+        for names in [&["goose.obj", "goose.pc2"][..], &["walker.glb"]] {
+            let animation = sample(names);
+            let scene = BuilderScene::imported(&animation, 5).unwrap();
+            assert_eq!(scene.frames.len(), 5, "{names:?}");
+            assert_eq!(scene.triangles, scene.frames[0]);
+            assert_ne!(scene.frames[0], scene.frames[4]);
+            assert!(scene.frames.iter().all(|frame| frame.len() == scene.triangles.len()));
+            let still = BuilderScene::imported(&animation, 0).unwrap();
+            assert_eq!((still.triangles, still.frames.len()), (scene.triangles, 0));
+        }
+    }
+
+    #[test]
+    fn frames_of_caches_are_those_of_the_bake() {
+        let animation = sample(&["goose.obj", "goose.pc2"]);
+        let own = key_frames(&animation, 1).unwrap();
+        let baked = sampled_frames(&animation, 1).unwrap();
+        assert_eq!(own[0].len(), baked[0].len());
+        let scale = 4.0;
+        for (own, baked) in own[0].iter().flatten().zip(baked[0].iter().flatten()) {
+            // Stored positions are within 2⁻¹⁶ of the diagonal, a few units.
+            assert!(
+                (0..3).all(|k| (own[k] - baked[k]).abs() < scale / 65_536.0),
+                "{own:?} {baked:?}"
+            );
+        }
     }
 }

@@ -1,4 +1,7 @@
-use super::list::{Builder, builders};
+use super::{
+    follower::followers,
+    list::{Builder, builders},
+};
 use crate::{MeasureError, thread_pools::THREAD_LIMIT};
 use serde::Serialize;
 
@@ -51,7 +54,13 @@ impl Default for BuildersSettings {
 /// Names of all builders, in the order of the tables.
 #[must_use]
 pub fn builder_names() -> Vec<&'static str> {
-    builders().iter().map(|builder| builder.name).collect()
+    let mut names: Vec<&str> = builders().iter().map(|builder| builder.name).collect();
+    for follower in followers() {
+        if !names.contains(&follower.name) {
+            names.push(follower.name);
+        }
+    }
+    names
 }
 
 impl BuildersSettings {

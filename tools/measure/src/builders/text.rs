@@ -1,4 +1,4 @@
-use super::{BuildFigures, BuildersReport};
+use super::{AnimationFigures, BuildFigures, BuildersReport, TheirFigures};
 use crate::TextRow;
 
 impl TextRow<21> for BuildFigures {
@@ -131,15 +131,103 @@ impl TextRow<11> for OrderFigures<'_> {
             seconds(*reference_shuffled),
             seconds(own.seconds),
             seconds(*own_shuffled),
-            format!("{:.2}", reference.seconds / own.seconds),
-            format!("{:.2}", reference_shuffled / own_shuffled),
+            ratio(reference.seconds / own.seconds),
+            ratio(reference_shuffled / own_shuffled),
             format!("{:.1}", 100.0 * own.sah_relative),
+        ]
+    }
+}
+
+impl TextRow<14> for AnimationFigures {
+    const TITLE: &'static str = "From frame to frame, as in Hussain and Grahn's Table I";
+    const LEGEND: &'static str = "one thread; exact ms: the reference, median over the frames; initial: the first frame; saved: of the exact builder's time; \
+                                  SAH: cost of the exact tree over this one's, mean and least; tracked: share of nodes whose plane was foreseen; error: of \
+                                  foreseen planes, relative to their cells; steps: of a search for a plane, where it was foreseen and where not";
+    const COLUMNS: [&'static str; 14] = [
+        "scene",
+        "triangles",
+        "frames",
+        "builder",
+        "exact",
+        "exact ms",
+        "initial ms",
+        "running ms",
+        "saved %",
+        "SAH",
+        "least",
+        "tracked %",
+        "error",
+        "steps",
+    ];
+
+    fn cells(&self) -> [String; 14] {
+        let milliseconds = |seconds: f64| format!("{:.2}", 1e3 * seconds);
+        let dash = || "-".to_owned();
+        [
+            self.scene.clone(),
+            self.triangles.to_string(),
+            self.frames.to_string(),
+            self.builder.to_owned(),
+            self.reference.to_owned(),
+            milliseconds(self.exact_seconds),
+            milliseconds(self.initial_seconds),
+            milliseconds(self.running_seconds),
+            format!("{:.1}", 100.0 * self.reduction),
+            format!("{:.3}", self.sah_relative),
+            format!("{:.3}", self.sah_relative_least),
+            self.tracked_fraction
+                .map_or_else(dash, |share| format!("{:.1}", 100.0 * share)),
+            self.prediction_error.map_or_else(dash, |error| format!("{error:.4}")),
+            match (self.tracked_steps, self.untracked_steps) {
+                (Some(tracked), Some(untracked)) => format!("{tracked:.1}, {untracked:.1}"),
+                _ => dash(),
+            },
+        ]
+    }
+}
+
+impl TextRow<9> for TheirFigures {
+    const TITLE: &'static str = "What the papers report";
+    const LEGEND: &'static str = "on their machines; exact s: their exact builder; quality: SAH cost of the exact tree over this one's (Günther) or speed of tracing \
+                                  relative to it (Wald)";
+    const COLUMNS: [&'static str; 9] = [
+        "table",
+        "scene",
+        "triangles",
+        "builder",
+        "threads",
+        "exact s",
+        "s",
+        "speedup",
+        "quality %",
+    ];
+
+    fn cells(&self) -> [String; 9] {
+        [
+            self.table.to_owned(),
+            self.scene.to_owned(),
+            self.triangles.to_string(),
+            self.builder.to_owned(),
+            self.threads.to_string(),
+            seconds(self.exact_seconds),
+            seconds(self.seconds),
+            format!("{:.2}", self.exact_seconds / self.seconds),
+            self.quality
+                .map_or("-".to_owned(), |quality| format!("{:.1}", 100.0 * quality)),
         ]
     }
 }
 
 fn order(shuffled: bool) -> String {
     if shuffled { "random" } else { "scene's" }.to_owned()
+}
+
+fn ratio(ratio: f64) -> String {
+    if ratio.is_nan() {
+        "-".to_owned()
+    } else {
+        format!("{ratio:.2}")
+    }
 }
 
 /// Three digits or so.

@@ -1,6 +1,7 @@
 use super::tree::Tree;
 use crate::MeasureError;
-use restpose_runtime::build::{Bvh, CheckedBoxes, KdTree};
+use restpose_builders::bvh::{BvhBuilder, HybridBvh, refit_parallel};
+use restpose_runtime::build::{Bvh, BvhSettings, CheckedBoxes, KdSettings, KdTree};
 
 /// A builder at work: its scratch memory and the tree that it built last.
 pub(super) trait Worker: Send {
@@ -16,22 +17,48 @@ pub(super) trait Worker: Send {
     fn take_tree(&mut self) -> Result<Tree, MeasureError>;
 }
 
-/// Builds hierarchies by `build`, which owns its scratch memory.
-pub(super) fn bvh_worker(build: impl FnMut(CheckedBoxes<'_>, &mut Bvh) + Send + 'static) -> Box<dyn Worker> {
+/// A builder of hierarchies.
+pub(super) fn bvh_worker(mut builder: impl BvhBuilder + Send + 'static) -> Box<dyn Worker> {
     Box::new(Own {
-        build,
+        build: move |boxes: CheckedBoxes<'_>, tree: &mut Bvh| builder.build(boxes, &BvhSettings::default(), tree),
         tree: Bvh::default(),
         wrap: Tree::Bvh,
     })
 }
 
 /// Builds kd-trees by `build`, which owns its scratch memory.
-pub(super) fn kd_worker(build: impl FnMut(CheckedBoxes<'_>, &mut KdTree) + Send + 'static) -> Box<dyn Worker> {
+pub(super) fn kd_worker(
+    mut build: impl FnMut(CheckedBoxes<'_>, &KdSettings, &mut KdTree) + Send + 'static,
+) -> Box<dyn Worker> {
     Box::new(Own {
-        build,
+        build: move |boxes: CheckedBoxes<'_>, tree: &mut KdTree| build(boxes, &KdSettings::default(), tree),
         tree: KdTree::default(),
         wrap: Tree::Kd,
     })
+}
+
+/// Gives the boxes of a tree that is there new sizes: what is timed is refitting alone.
+pub(super) fn refit_worker() -> Box<dyn Worker> {
+    Box::new(Refit(Bvh::default()))
+}
+
+struct Refit(Bvh);
+
+impl Worker for Refit {
+    fn prepare(&mut self, boxes: CheckedBoxes<'_>) -> Result<(), MeasureError> {
+        if self.0.nodes.is_empty() {
+            HybridBvh::default().build(boxes, &BvhSettings::default(), &mut self.0);
+        }
+        Ok(())
+    }
+
+    fn build(&mut self, boxes: CheckedBoxes<'_>) -> Result<(), MeasureError> {
+        Ok(refit_parallel(&mut self.0, boxes)?)
+    }
+
+    fn take_tree(&mut self) -> Result<Tree, MeasureError> {
+        Ok(Tree::Bvh(std::mem::take(&mut self.0)))
+    }
 }
 
 struct Own<F, T> {

@@ -41,7 +41,7 @@ impl Worker for Obvhs {
     }
 
     fn build(&mut self, _boxes: CheckedBoxes<'_>) -> Result<(), MeasureError> {
-        self.built = Some(build_bvh2(&self.own, self.params, &mut Duration::ZERO));
+        self.built = Some(build_bvh2(&self.own, self.params, &mut Duration::default()));
         Ok(())
     }
 

@@ -30,7 +30,7 @@ pub(super) fn generate(wanted: usize, seed: u64, sink: &mut Sink) {
         let place = |index: usize| spacing * (index as f64 + 1.0) - 0.5 * ROOM;
         let placed = Placed::new(
             [place(piece % columns), place(piece / columns)],
-            spacing.min(2.0),
+            0.9 * spacing,
             &mut random,
         );
         let last = piece + 1 == pieces;
