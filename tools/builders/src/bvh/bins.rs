@@ -35,6 +35,10 @@ impl Projection {
         })
     }
 
+    pub(super) fn axis(&self) -> usize {
+        self.axis
+    }
+
     /// Below [`BINS`] for each primitive in the extent.
     #[inline]
     pub(super) fn bin(&self, primitive: &Primitive) -> usize {

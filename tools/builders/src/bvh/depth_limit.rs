@@ -1,3 +1,4 @@
+use super::primitive::Primitive;
 use restpose_runtime::build::MAX_BVH_DEPTH;
 
 /// Whether a node with `count` primitives under `depth` inner nodes must be parted into equal halves for all below to
@@ -8,6 +9,15 @@ use restpose_runtime::build::MAX_BVH_DEPTH;
 /// with each level, so a leaf never stands deeper.
 pub(super) fn must_halve(depth: usize, count: usize) -> bool {
     depth + count.next_power_of_two().trailing_zeros() as usize >= MAX_BVH_DEPTH
+}
+
+/// Sorts primitives by their centroids along one axis, those of equal ones by index; how many are in the first half.
+pub(super) fn sort_into_halves(primitives: &mut [Primitive], axis: usize) -> usize {
+    primitives.sort_unstable_by(|a, b| {
+        let by_centroid = a.bounds().center_of(axis).total_cmp(&b.bounds().center_of(axis));
+        by_centroid.then(a.id().cmp(&b.id()))
+    });
+    primitives.len() / 2
 }
 
 #[cfg(test)]

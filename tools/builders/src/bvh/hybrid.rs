@@ -97,25 +97,14 @@ impl<'a> Upper<'a> {
         });
         let extents = extents.iter().fold(Sides::default(), |all, block| all.union(block));
         // What was distributed is in the spare list: the lists change places.
-        let Span {
-            primitives,
-            references,
-            first,
-            depth,
-        } = span;
-        let [left, right] = Span {
-            primitives: spare,
-            references,
-            first,
-            depth,
-        }
-        .split_at(count);
+        let (span, primitives) = span.with_primitives(spare);
+        let [left, right] = span.split_at(count);
         let (left_spare, right_spare) = primitives.split_at_mut(count);
-        let first_child = self.top.len();
+        let left_index = self.top.len();
         self.part(left, left_spare, &extents.0[0]);
-        let second_child = self.top.len();
+        let right_index = self.top.len();
         self.part(right, right_spare, &extents.0[1]);
-        self.top[index] = TopNode::Inner([first_child, second_child]);
+        self.top[index] = TopNode::Inner([left_index, right_index]);
     }
 
     /// How to part the primitives, and the bins of each block; `None` for a sub-tree.

@@ -57,11 +57,23 @@ impl LaneBox {
         0.5 * lower + 0.5 * upper
     }
 
-    /// Half its length along one axis: does not overflow.
+    /// Its length along one axis: neither over- nor underflows.
     #[inline]
-    pub(super) fn half_length(&self, axis: usize) -> f32 {
-        let [lower, upper] = self.sides(axis);
-        0.5 * upper - 0.5 * lower
+    pub(super) fn length(&self, axis: usize) -> f64 {
+        let [lower, upper] = self.sides(axis).map(f64::from);
+        upper - lower
+    }
+
+    /// The axis along which it is longest, the lowest of equal ones.
+    #[inline]
+    pub(super) fn longest_axis(&self) -> usize {
+        let mut longest = 0;
+        for axis in 1..3 {
+            if self.length(axis) > self.length(longest) {
+                longest = axis;
+            }
+        }
+        longest
     }
 
     #[inline]

