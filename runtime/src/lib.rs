@@ -47,6 +47,7 @@ mod posed_tree;
 mod ray;
 mod refitted_tree;
 mod scene;
+pub mod simd;
 mod stats;
 mod surface;
 mod trace;

@@ -4,7 +4,7 @@ use crate::rotation::about;
 use glam::{DQuat, DVec3};
 
 /// Gravity, scene units per second squared.
-const GRAVITY: f64 = 9.8;
+pub const GRAVITY: f64 = 9.8;
 
 /// A bounce, or one end of the way.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,4 +1,4 @@
-//! Small glTF scenes and a vertex cache of our own making, each from formulas alone.
+//! Small glTF scenes and vertex caches of our own making, each from formulas alone.
 //!
 //! Guarantee: the same bytes on every platform and in every build; sines come from `libm`, sums have a fixed order.
 
@@ -23,11 +23,14 @@ pub mod obj_writer;
 pub mod point_cache_writer;
 pub mod polygons;
 pub mod rotation;
+pub mod shard_flight;
+pub mod shatter;
 pub mod skinning;
 pub mod solids;
 pub mod surface;
 pub mod surface_net;
 pub mod tentacle;
+pub mod vase;
 pub mod walker;
 
 use gltf_writer::WriteError;
@@ -49,6 +52,7 @@ pub struct SceneFile {
 pub fn scene_files() -> Result<Vec<SceneFile>, SceneError> {
     let (tentacle, tentacle_buffer) = tentacle::tentacle_gltf_and_bin("tentacle.bin")?;
     let (goose, goose_cache) = goose::goose_obj_and_pc2()?;
+    let (shatter, shatter_cache) = shatter::shatter_obj_and_pc2()?;
     let file = |name, bytes| SceneFile { name, bytes };
     Ok(vec![
         file("walker.glb", walker::walker_glb()?),
@@ -58,6 +62,8 @@ pub fn scene_files() -> Result<Vec<SceneFile>, SceneError> {
         file("mixed.glb", mixed::mixed_glb()?),
         file("goose.obj", goose),
         file("goose.pc2", goose_cache),
+        file("shatter.obj", shatter),
+        file("shatter.pc2", shatter_cache),
     ])
 }
 

@@ -1,4 +1,4 @@
-//! Vertex caches as imported against an independent reading of the same files, and the bundled one against its promises.
+//! Vertex caches as imported against an independent reading of the same files, and the bundled goose against its promises.
 
 use restpose_bake::import::{Animation, ChannelTarget, ImportSettings, import_files};
 use restpose_formats::rows::Interpolation;
@@ -12,11 +12,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// The bundled mesh with its cache, then those of the optional scene folder beside the repository.
+/// The bundled meshes with their caches, the goose first, then those of the optional scene folder beside the repository.
 fn scenes() -> Vec<[PathBuf; 2]> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let samples = root.join("samples/scenes");
-    let mut scenes = vec![[samples.join("goose.obj"), samples.join("goose.pc2")]];
+    let bundled = |name: &str| ["obj", "pc2"].map(|extension| samples.join(name).with_extension(extension));
+    let mut scenes = vec![bundled("goose"), bundled("shatter")];
     for name in ["chicken", "cow", "horse", "elephant"] {
         let stem = root.join("../shared/scenes").join(name).join(name);
         let files = [stem.with_extension("obj"), stem.with_extension("pc2")];

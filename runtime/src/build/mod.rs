@@ -5,6 +5,12 @@
 //! [`Bvh`] does both for hierarchies. Builders over geometry take [`CheckedBoxes`].
 
 mod bvh;
+mod bvh_bins;
+mod bvh_few;
+mod bvh_primitive;
+mod bvh_split;
+mod bvh_streamed;
+mod bvh_subtree;
 mod bvh_validate;
 mod checked_boxes;
 mod finite_box;
@@ -18,6 +24,8 @@ mod sah;
 mod tests;
 
 pub use bvh::{Bvh, BvhContent, BvhNode, BvhSettings, MAX_BVH_DEPTH};
+pub use bvh_bins::BinCount;
+pub use bvh_streamed::StreamedBvh;
 pub use bvh_validate::BvhFault;
 pub use checked_boxes::{BuildError, CheckedBoxes};
 pub use kd_sweep::{KdBuilder, MAX_REFERENCE_GROWTH};

@@ -7,3 +7,4 @@ mod invariants;
 mod optimum;
 mod queries;
 mod random;
+mod streamed_bvh;

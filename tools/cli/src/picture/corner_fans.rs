@@ -1,5 +1,8 @@
 use glam::Vec3;
-use restpose_formats::{ModelView, rows::TriangleRow};
+use restpose_formats::{
+    ModelView,
+    rows::{MotionClass, TriangleRow},
+};
 
 /// Triangles that meet at an angle with a cosine above this look like one round surface: 40 degrees.
 const SMOOTH_COSINE: f32 = 0.766;
@@ -10,7 +13,8 @@ const MAX_CORNERS: usize = 64;
 /// For each corner of each triangle, the triangles whose normals are averaged there.
 ///
 /// A baked file holds no normals. Corners at the same rest position of a part whose triangles meet there at a small
-/// angle in the rest pose share one, so seams of the texture do not show and edges of a box stay sharp.
+/// angle in the rest pose share one, so seams of the texture do not show and edges of a box stay sharp. In free motion
+/// only corners of one vertex do: what touches at rest need not stay together.
 pub struct CornerFans {
     /// First entry in `triangles` of each corner, and a closing one; corner `3 · triangle + k`.
     first: Vec<u32>,
@@ -65,7 +69,7 @@ impl CornerFans {
 }
 
 struct Corner {
-    /// Part, then the bits of the rest position.
+    /// Part, then the bits of the rest position; in free motion the vertex.
     place: [u32; 4],
     id: u32,
 }
@@ -74,13 +78,15 @@ fn sorted_corners(model: &ModelView<'_>) -> Vec<Corner> {
     let mut corners = Vec::with_capacity(model.triangles.len() * 3);
     for (part, row) in model.parts.iter().enumerate() {
         let triangles = row.triangle_first..row.triangle_first.saturating_add(row.triangle_count);
+        let free = row.class == MotionClass::Free as u32;
         for triangle in triangles {
             let Some(TriangleRow { corners: vertices }) = model.triangles.get(triangle as usize) else {
                 break;
             };
             for (k, vertex) in vertices.iter().enumerate() {
                 // Adding zero turns -0 into 0: the same place.
-                let [x, y, z] = rest_position(model, *vertex).map(|x| (x + 0.0).to_bits());
+                let at = rest_position(model, *vertex).map(|x| (x + 0.0).to_bits());
+                let [x, y, z] = if free { [*vertex, 0, 0] } else { at };
                 corners.push(Corner {
                     place: [part as u32, x, y, z],
                     id: triangle * 3 + k as u32,
@@ -168,6 +174,21 @@ mod tests {
             assert_eq!(free, faces[0]);
             let [same, ..] = fans.corner_normals(1, &faces, Vec3::X);
             assert_eq!(shared == same, rounded, "{height}: {shared} {same}");
+        }
+    }
+
+    #[test]
+    fn what_touches_at_rest_is_not_rounded_in_free_motion() {
+        let mut model = folded(0.3);
+        model.parts[0].class = MotionClass::Free as u32;
+        let view = model.view();
+        let fans = CornerFans::new(&view);
+        let faces: Vec<Vec3> = view.triangles.iter().map(|row| rest_normal(&view, row)).collect();
+        for (triangle, face) in faces.iter().enumerate() {
+            assert_eq!(
+                fans.corner_normals(triangle as u32, &faces, Vec3::X),
+                [face.normalize(); 3]
+            );
         }
     }
 

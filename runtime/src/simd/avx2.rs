@@ -1,0 +1,133 @@
+#![expect(unsafe_code, reason = "instructions that not every machine has")]
+
+use super::Lanes;
+use std::arch::x86_64::*;
+
+/// AVX2 and POPCNT. A value exists only where [`Avx2::new`] found them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Avx2(());
+
+impl Avx2 {
+    /// `None` on machines without them.
+    #[inline]
+    pub(crate) fn new() -> Option<Self> {
+        (is_x86_feature_detected!("avx2") && is_x86_feature_detected!("popcnt")).then_some(Self(()))
+    }
+}
+
+// SAFETY, for every block below: `self` proves that the machine has AVX2, and with it all that these instructions need
+// (SSE to AVX2). References to arrays are valid for the bytes that are read or written, and no alignment is assumed.
+impl Lanes for Avx2 {
+    type F8 = __m256;
+    type F4 = __m128;
+
+    #[inline(always)]
+    fn load8(self, from: &[f32; 8]) -> __m256 {
+        // SAFETY: see above; 32 bytes.
+        unsafe { _mm256_loadu_ps(from.as_ptr()) }
+    }
+
+    #[inline(always)]
+    fn store8(self, from: __m256, to: &mut [f32; 8]) {
+        // SAFETY: see above; 32 bytes.
+        unsafe { _mm256_storeu_ps(to.as_mut_ptr(), from) }
+    }
+
+    #[inline(always)]
+    fn max8(self, a: __m256, b: __m256) -> __m256 {
+        // SAFETY: see above.
+        unsafe { _mm256_max_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn halves(self, from: __m256) -> [__m128; 2] {
+        // SAFETY: see above.
+        unsafe { [_mm256_castps256_ps128(from), _mm256_extractf128_ps::<1>(from)] }
+    }
+
+    #[inline(always)]
+    fn load4(self, from: &[f32; 4]) -> __m128 {
+        // SAFETY: see above; 16 bytes.
+        unsafe { _mm_loadu_ps(from.as_ptr()) }
+    }
+
+    #[inline(always)]
+    fn store4(self, from: __m128) -> [f32; 4] {
+        let mut to = [0.0; 4];
+        // SAFETY: see above; 16 bytes.
+        unsafe { _mm_storeu_ps(to.as_mut_ptr(), from) };
+        to
+    }
+
+    #[inline(always)]
+    fn splat4(self, x: f32) -> __m128 {
+        // SAFETY: see above.
+        unsafe { _mm_set1_ps(x) }
+    }
+
+    #[inline(always)]
+    fn add4(self, a: __m128, b: __m128) -> __m128 {
+        // SAFETY: see above.
+        unsafe { _mm_add_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn sub4(self, a: __m128, b: __m128) -> __m128 {
+        // SAFETY: see above.
+        unsafe { _mm_sub_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn mul4(self, a: __m128, b: __m128) -> __m128 {
+        // SAFETY: see above.
+        unsafe { _mm_mul_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn min4(self, a: __m128, b: __m128) -> __m128 {
+        // SAFETY: see above.
+        unsafe { _mm_min_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn max4(self, a: __m128, b: __m128) -> __m128 {
+        // SAFETY: see above.
+        unsafe { _mm_max_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn truncate4(self, a: __m128) -> [i32; 4] {
+        let mut to = [0; 4];
+        // SAFETY: see above; 16 bytes.
+        unsafe { _mm_storeu_si128(to.as_mut_ptr().cast(), _mm_cvttps_epi32(a)) };
+        to
+    }
+
+    #[inline(always)]
+    fn pair_products(self, a: __m128) -> f32 {
+        // SAFETY: see above.
+        unsafe {
+            let products = _mm_mul_ps(a, _mm_shuffle_ps::<0b00_00_10_01>(a, a));
+            let second = _mm_movehdup_ps(products);
+            let third = _mm_movehl_ps(products, products);
+            _mm_cvtss_f32(_mm_add_ss(_mm_add_ss(products, second), third))
+        }
+    }
+
+    #[inline(always)]
+    fn ranks8(self, keys: &[f32; 8], count: usize) -> [u8; 8] {
+        let mut ranks = [0; 8];
+        // SAFETY: see above.
+        unsafe {
+            let all = _mm256_loadu_ps(keys.as_ptr());
+            for i in 0..count {
+                let own = _mm256_set1_ps(keys[i]);
+                let less = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(all, own));
+                let equal = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_EQ_OQ>(all, own)) & ((1 << i) - 1);
+                let counted = (less | equal) & ((1 << count) - 1);
+                ranks[i] = _popcnt32(counted) as u8;
+            }
+        }
+        ranks
+    }
+}

@@ -1,0 +1,31 @@
+/// What kernels need of a set of instructions. A value is the proof that this machine has them.
+///
+/// Of numbers that do not compare, `max` and `min` return the second.
+pub(crate) trait Lanes: Copy {
+    /// Eight numbers.
+    type F8: Copy;
+    /// Four numbers.
+    type F4: Copy;
+
+    fn load8(self, from: &[f32; 8]) -> Self::F8;
+    fn store8(self, from: Self::F8, to: &mut [f32; 8]);
+    fn max8(self, a: Self::F8, b: Self::F8) -> Self::F8;
+    /// Lanes 0 to 3 and 4 to 7.
+    fn halves(self, from: Self::F8) -> [Self::F4; 2];
+
+    fn load4(self, from: &[f32; 4]) -> Self::F4;
+    fn store4(self, from: Self::F4) -> [f32; 4];
+    fn splat4(self, x: f32) -> Self::F4;
+    fn add4(self, a: Self::F4, b: Self::F4) -> Self::F4;
+    fn sub4(self, a: Self::F4, b: Self::F4) -> Self::F4;
+    fn mul4(self, a: Self::F4, b: Self::F4) -> Self::F4;
+    fn min4(self, a: Self::F4, b: Self::F4) -> Self::F4;
+    fn max4(self, a: Self::F4, b: Self::F4) -> Self::F4;
+    /// Towards zero. Lanes must lie between ±2³¹, or mean nothing.
+    fn truncate4(self, a: Self::F4) -> [i32; 4];
+    /// `a₀a₁ + a₁a₂ + a₂a₀`, added from the left.
+    fn pair_products(self, a: Self::F4) -> f32;
+
+    /// For each lane below `count`, how many of these are less, or equal and before it.
+    fn ranks8(self, keys: &[f32; 8], count: usize) -> [u8; 8];
+}

@@ -1,0 +1,91 @@
+use super::Lanes;
+
+/// Arrays.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Portable;
+
+impl Lanes for Portable {
+    type F8 = [f32; 8];
+    type F4 = [f32; 4];
+
+    #[inline(always)]
+    fn load8(self, from: &[f32; 8]) -> [f32; 8] {
+        *from
+    }
+
+    #[inline(always)]
+    fn store8(self, from: [f32; 8], to: &mut [f32; 8]) {
+        *to = from;
+    }
+
+    #[inline(always)]
+    fn max8(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
+        std::array::from_fn(|k| if a[k] > b[k] { a[k] } else { b[k] })
+    }
+
+    #[inline(always)]
+    fn halves(self, from: [f32; 8]) -> [[f32; 4]; 2] {
+        [0, 4].map(|first| std::array::from_fn(|k| from[first + k]))
+    }
+
+    #[inline(always)]
+    fn load4(self, from: &[f32; 4]) -> [f32; 4] {
+        *from
+    }
+
+    #[inline(always)]
+    fn store4(self, from: [f32; 4]) -> [f32; 4] {
+        from
+    }
+
+    #[inline(always)]
+    fn splat4(self, x: f32) -> [f32; 4] {
+        [x; 4]
+    }
+
+    #[inline(always)]
+    fn add4(self, a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
+        std::array::from_fn(|k| a[k] + b[k])
+    }
+
+    #[inline(always)]
+    fn sub4(self, a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
+        std::array::from_fn(|k| a[k] - b[k])
+    }
+
+    #[inline(always)]
+    fn mul4(self, a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
+        std::array::from_fn(|k| a[k] * b[k])
+    }
+
+    #[inline(always)]
+    fn min4(self, a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
+        std::array::from_fn(|k| if a[k] < b[k] { a[k] } else { b[k] })
+    }
+
+    #[inline(always)]
+    fn max4(self, a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
+        std::array::from_fn(|k| if a[k] > b[k] { a[k] } else { b[k] })
+    }
+
+    #[inline(always)]
+    fn truncate4(self, a: [f32; 4]) -> [i32; 4] {
+        a.map(|x| x as i32)
+    }
+
+    #[inline(always)]
+    fn pair_products(self, [x, y, z, _]: [f32; 4]) -> f32 {
+        x * y + y * z + z * x
+    }
+
+    #[inline(always)]
+    fn ranks8(self, keys: &[f32; 8], count: usize) -> [u8; 8] {
+        let mut ranks = [0; 8];
+        for i in 0..count {
+            for j in 0..count {
+                ranks[i] += u8::from(keys[j] < keys[i] || j < i && keys[j] == keys[i]);
+            }
+        }
+        ranks
+    }
+}

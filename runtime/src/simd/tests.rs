@@ -1,0 +1,69 @@
+use super::{Lanes, Portable};
+
+/// The bits of all results of all operations.
+fn everything<S: Lanes>(simd: S, a: &[f32; 8], b: &[f32; 8]) -> Vec<u32> {
+    let (wide_a, wide_b) = (simd.load8(a), simd.load8(b));
+    let mut max = [0.0; 8];
+    simd.store8(simd.max8(wide_a, wide_b), &mut max);
+    let [x, y] = simd.halves(wide_a);
+    let z = simd.halves(wide_b)[0];
+    let vectors = [
+        simd.add4(x, y),
+        simd.sub4(x, z),
+        simd.mul4(y, z),
+        simd.min4(x, z),
+        simd.max4(x, z),
+        simd.splat4(a[1]),
+    ];
+    let mut out: Vec<f32> = max.to_vec();
+    out.extend(vectors.iter().flat_map(|vector| simd.store4(*vector)));
+    out.push(simd.pair_products(x));
+    // Of NaN only that it is one.
+    let bits = |x: f32| if x.is_nan() { u32::MAX } else { x.to_bits() };
+    let mut out: Vec<u32> = out.into_iter().map(bits).collect();
+    for count in 1..=8 {
+        out.extend(simd.ranks8(a, count)[..count].iter().map(|rank| u32::from(*rank)));
+    }
+    let small = simd.load4(&[a[0], a[1], a[2], a[3]].map(|x| if x.abs() < 1e9 { x } else { 1.5 }));
+    out.extend(simd.truncate4(small).map(|x| x as u32));
+    out
+}
+
+#[test]
+fn instruction_sets_agree_on_every_operation() {
+    let special = [
+        0.0,
+        -0.0,
+        1.0,
+        -1.0,
+        f32::MAX,
+        f32::MIN,
+        f32::from_bits(1),
+        f32::MIN_POSITIVE,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        f32::NAN,
+        0.999_999_94,
+        7.5,
+    ];
+    let mut random = fastrand::Rng::with_seed(3);
+    for _ in 0..2000 {
+        let mut pick = || match random.bool() {
+            true => special[random.usize(..special.len())],
+            false => (random.f32() - 0.5) * 100.0,
+        };
+        let (a, b) = (std::array::from_fn(|_| pick()), std::array::from_fn(|_| pick()));
+        let expected = everything(Portable, &a, &b);
+        #[cfg(target_arch = "x86_64")]
+        if let Some(simd) = super::Avx2::new() {
+            assert_eq!(everything(simd, &a, &b), expected, "{a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn ranks_sort_and_keep_the_order_of_equals() {
+    let keys = [3.0, 1.0, 3.0, -2.0, 1.0, 9.0, 0.0, 0.0];
+    assert_eq!(Portable.ranks8(&keys, 6), [3, 1, 4, 0, 2, 5, 0, 0]);
+    assert_eq!(Portable.pair_products([2.0, 3.0, 5.0, 100.0]), 6.0 + 15.0 + 10.0);
+}
