@@ -5,8 +5,11 @@ use super::{
     worker::{Worker, bvh_worker, kd_worker, refit_worker},
 };
 use crate::MeasureError;
-use restpose_builders::bvh::{BinnedBvh, GridBvh, HybridBvh, MedianBvh, SweepBvh};
-use restpose_runtime::build::KdBuilder;
+use restpose_builders::bvh::{BinnedBvh, BvhBuilder, GridBvh, HybridBvh, MedianBvh, SweepBvh};
+use restpose_runtime::{
+    build::{BinCount, KdBuilder, StreamedBvh},
+    simd::SimdLevel,
+};
 
 /// A builder.
 pub(super) struct Builder {
@@ -52,26 +55,33 @@ pub(super) fn builders() -> Vec<Builder> {
     )]
     let mut all = vec![
         own(Bvh, "bvh-sweep", "Günther §4.1.2", One, |_| {
-            Ok(bvh_worker(SweepBvh::default()))
+            Ok(bvh(SweepBvh::default()))
         }),
-        own(Bvh, "bvh-binned", "Wald §3", One, |_| {
-            Ok(bvh_worker(BinnedBvh::default()))
+        own(Bvh, "bvh-streamed", "Günther §4.2.2", Any, |_| {
+            Ok(bvh_streamed(BinCount::ACCURATE))
         }),
-        own(Bvh, "bvh-median", "Wald §2.3", One, |_| {
-            Ok(bvh_worker(MedianBvh::default()))
+        own(Bvh, "bvh-streamed-fast", "Günther §4.2.2", Any, |_| {
+            Ok(bvh_streamed(BinCount::FAST))
         }),
-        own(Bvh, "bvh-hybrid", "Wald §4.1", Any, |_| {
-            Ok(bvh_worker(HybridBvh::default()))
-        }),
-        own(Bvh, "bvh-grid", "Wald §4.2", Any, |_| {
-            Ok(bvh_worker(GridBvh::default()))
-        }),
+        own(Bvh, "bvh-binned", "Wald §3", One, |_| Ok(bvh(BinnedBvh::default()))),
+        own(Bvh, "bvh-median", "Wald §2.3", One, |_| Ok(bvh(MedianBvh::default()))),
+        own(Bvh, "bvh-hybrid", "Wald §4.1", Any, |_| Ok(bvh(HybridBvh::default()))),
+        own(Bvh, "bvh-grid", "Wald §4.2", Any, |_| Ok(bvh(GridBvh::default()))),
         own(Bvh, "bvh-refit", "Günther §2.3", Any, |_| Ok(refit_worker())),
         own(Kd, "kd-sweep", "Günther §4.1.2", One, |_| Ok(kd_sweep())),
     ];
     #[cfg(feature = "peers")]
     all.extend(super::peers::peers());
     all
+}
+
+fn bvh(mut builder: impl BvhBuilder + Send + 'static) -> Box<dyn Worker> {
+    bvh_worker(move |boxes, settings, tree| builder.build(boxes, settings, tree))
+}
+
+fn bvh_streamed(count: BinCount) -> Box<dyn Worker> {
+    let mut builder = StreamedBvh::new(count, SimdLevel::detect());
+    bvh_worker(move |boxes, settings, tree| builder.build(boxes, settings, tree))
 }
 
 fn kd_sweep() -> Box<dyn Worker> {

@@ -17,10 +17,12 @@ pub(super) trait Worker: Send {
     fn take_tree(&mut self) -> Result<Tree, MeasureError>;
 }
 
-/// A builder of hierarchies.
-pub(super) fn bvh_worker(mut builder: impl BvhBuilder + Send + 'static) -> Box<dyn Worker> {
+/// Builds hierarchies by `build`, which owns its scratch memory.
+pub(super) fn bvh_worker(
+    mut build: impl FnMut(CheckedBoxes<'_>, &BvhSettings, &mut Bvh) + Send + 'static,
+) -> Box<dyn Worker> {
     Box::new(Own {
-        build: move |boxes: CheckedBoxes<'_>, tree: &mut Bvh| builder.build(boxes, &BvhSettings::default(), tree),
+        build: move |boxes: CheckedBoxes<'_>, tree: &mut Bvh| build(boxes, &BvhSettings::default(), tree),
         tree: Bvh::default(),
         wrap: Tree::Bvh,
     })
