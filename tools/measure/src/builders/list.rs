@@ -5,7 +5,10 @@ use super::{
     worker::{Worker, bvh_worker, kd_worker, refit_worker},
 };
 use crate::MeasureError;
-use restpose_builders::bvh::{BinnedBvh, BvhBuilder, GridBvh, HybridBvh, MedianBvh, SweepBvh};
+use restpose_builders::{
+    bvh::{BinnedBvh, BvhBuilder, GridBvh, HybridBvh, MedianBvh, SweepBvh},
+    kd::StreamedKd,
+};
 use restpose_runtime::{
     build::{BinCount, KdBuilder, StreamedBvh},
     simd::SimdLevel,
@@ -68,7 +71,15 @@ pub(super) fn builders() -> Vec<Builder> {
         own(Bvh, "bvh-hybrid", "Wald §4.1", Any, |_| Ok(bvh(HybridBvh::default()))),
         own(Bvh, "bvh-grid", "Wald §4.2", Any, |_| Ok(bvh(GridBvh::default()))),
         own(Bvh, "bvh-refit", "Günther §2.3", Any, |_| Ok(refit_worker())),
-        own(Kd, "kd-sweep", "Günther §4.1.2", One, |_| Ok(kd_sweep())),
+        own(Kd, "kd-sweep", "Günther §4.1.2", One, |_| {
+            Ok(kd_worker(KdBuilder::new()))
+        }),
+        own(Kd, "kd-streamed", "Günther §4.2.1, bins adapt", Any, |_| {
+            Ok(kd_worker(StreamedKd::new()))
+        }),
+        own(Kd, "kd-streamed-thesis", "Günther §4.2.1", Any, |_| {
+            Ok(kd_worker(StreamedKd::thesis()))
+        }),
     ];
     #[cfg(feature = "peers")]
     all.extend(super::peers::peers());
@@ -82,9 +93,4 @@ fn bvh(mut builder: impl BvhBuilder + Send + 'static) -> Box<dyn Worker> {
 fn bvh_streamed(count: BinCount) -> Box<dyn Worker> {
     let mut builder = StreamedBvh::new(count, SimdLevel::detect());
     bvh_worker(move |boxes, settings, tree| builder.build(boxes, settings, tree))
-}
-
-fn kd_sweep() -> Box<dyn Worker> {
-    let mut builder = KdBuilder::new();
-    kd_worker(move |boxes, settings, tree| builder.build(boxes.get(), settings, tree))
 }

@@ -1,6 +1,9 @@
 use super::tree::Tree;
 use crate::MeasureError;
-use restpose_builders::bvh::{BvhBuilder, HybridBvh, refit_parallel};
+use restpose_builders::{
+    bvh::{BvhBuilder, HybridBvh, refit_parallel},
+    kd::KdTreeBuilder,
+};
 use restpose_runtime::build::{Bvh, BvhSettings, CheckedBoxes, KdSettings, KdTree};
 
 /// A builder at work: its scratch memory and the tree that it built last.
@@ -28,12 +31,10 @@ pub(super) fn bvh_worker(
     })
 }
 
-/// Builds kd-trees by `build`, which owns its scratch memory.
-pub(super) fn kd_worker(
-    mut build: impl FnMut(CheckedBoxes<'_>, &KdSettings, &mut KdTree) + Send + 'static,
-) -> Box<dyn Worker> {
+/// A builder of kd-trees.
+pub(super) fn kd_worker(mut builder: impl KdTreeBuilder + Send + 'static) -> Box<dyn Worker> {
     Box::new(Own {
-        build: move |boxes: CheckedBoxes<'_>, tree: &mut KdTree| build(boxes, &KdSettings::default(), tree),
+        build: move |boxes: CheckedBoxes<'_>, tree: &mut KdTree| builder.build(boxes, &KdSettings::default(), tree),
         tree: KdTree::default(),
         wrap: Tree::Kd,
     })
