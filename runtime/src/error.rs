@@ -35,6 +35,46 @@ pub enum PoseError {
         /// Instances there are.
         count: usize,
     },
+    /// The instance is one of supplied geometry, which has no pose.
+    #[error("instance {instance} is of supplied geometry and has no pose; use set_geometry and set_transform")]
+    NoAsset {
+        /// Instance asked for.
+        instance: usize,
+    },
+    /// The instance is one of an asset, whose triangles are in its file.
+    #[error(
+        "instance {instance} is of an asset, whose triangles are in its file; make one for your own by add_geometry"
+    )]
+    NotGeometry {
+        /// Instance asked for.
+        instance: usize,
+    },
+    /// A supplied vertex is infinite or NaN.
+    #[error("vertex {vertex} of the supplied geometry has an infinite or NaN coordinate; leave out its triangles")]
+    VertexNotFinite {
+        /// Its index.
+        vertex: usize,
+    },
+    /// A supplied triangle names a vertex that does not exist.
+    #[error(
+        "triangle {triangle} of the supplied geometry has a corner at vertex {corner}; expected one below {vertices}"
+    )]
+    CornerOutOfRange {
+        /// Its index.
+        triangle: usize,
+        /// Vertex named.
+        corner: u32,
+        /// Vertices given.
+        vertices: usize,
+    },
+    /// There are more supplied triangles than a tree can count.
+    #[error("{count} triangles supplied; expected at most {most} in one instance; use several")]
+    TooManyTriangles {
+        /// Triangles given.
+        count: usize,
+        /// Triangles that fit.
+        most: usize,
+    },
     /// The asset has no such clip.
     #[error("clip {clip} does not exist: the asset has {count}")]
     UnknownClip {

@@ -1,6 +1,7 @@
 use crate::{
     Aabb, FrameStats, Hit, InstanceId, Ray, Scene, SurfacePoint, TraceCounters,
     cluster_frame::Way,
+    instance::Instance,
     trace::{Stack, trace},
 };
 
@@ -92,40 +93,35 @@ impl Frame<'_> {
     /// When the hit is not from this scene and names an instance or triangle that it does not have.
     #[must_use]
     pub fn surface(&self, hit: &Hit) -> SurfacePoint {
-        let instance = &self.scene.instances[hit.instance.index()];
-        let corners = instance.pose_triangle(instance.cache_of_triangle(hit.triangle), hit.triangle);
-        SurfacePoint::new(hit, instance, corners)
+        SurfacePoint::new(hit, &self.scene.instances[hit.instance.index()])
     }
 
     /// A posed vertex in world space, by vertex row; `None` when there is no such instance or vertex.
     #[must_use]
     pub fn vertex(&self, instance: InstanceId, vertex: u32) -> Option<[f32; 3]> {
-        let instance = self.scene.instances.get(instance.index())?;
-        let model = instance.asset.model();
-        (vertex as usize + 1 < model.vertices.len())
-            .then(|| instance.pose_vertex(instance.cache_of_vertex(vertex), vertex))
+        self.scene.instances.get(instance.index())?.vertex(vertex)
     }
 
     /// A posed triangle's corners in world space, by triangle row; `None` when there is no such instance or triangle.
     #[must_use]
     pub fn triangle(&self, instance: InstanceId, triangle: u32) -> Option<[[f32; 3]; 3]> {
-        let instance = self.scene.instances.get(instance.index())?;
-        let model = instance.asset.model();
-        ((triangle as usize) < model.triangles.len())
-            .then(|| instance.pose_triangle(instance.cache_of_triangle(triangle), triangle))
+        self.scene.instances.get(instance.index())?.triangle(triangle)
     }
 
-    /// The clusters of all instances with their world boxes.
+    /// The clusters of all instances of assets with their world boxes.
     pub fn clusters(&self) -> impl Iterator<Item = ClusterBounds> {
-        self.scene.entries.iter().map(|entry| {
-            let active = &self.scene.instances[entry.instance as usize].clusters[entry.slot as usize];
-            ClusterBounds {
+        self.scene.entries.iter().filter_map(|entry| {
+            let Instance::Asset(instance) = &self.scene.instances[entry.instance as usize] else {
+                return None;
+            };
+            let active = &instance.clusters[entry.slot as usize];
+            Some(ClusterBounds {
                 instance: InstanceId(entry.instance),
                 cluster: active.row,
                 bounds_world: active.frame.bounds_world,
                 excess: active.excess.local,
                 has_inverse: matches!(active.frame.way, Way::Local(_)),
-            }
+            })
         })
     }
 

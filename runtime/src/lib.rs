@@ -32,12 +32,14 @@
 //! transform.
 
 mod asset;
+mod asset_instance;
 pub mod build;
 mod cache;
 mod cluster_frame;
 mod error;
 mod excess;
 mod frame;
+mod geometry_instance;
 mod hit;
 mod instance;
 mod map;

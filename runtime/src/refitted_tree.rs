@@ -1,4 +1,4 @@
-use crate::Aabb;
+use crate::{Aabb, build::BvhContent, trace::Hierarchy};
 use restpose_formats::rows::{KdNode, KdNodeRow};
 use std::sync::{
     Mutex, OnceLock, PoisonError,
@@ -48,6 +48,27 @@ impl RefittedTree {
             refit(nodes, references, first, pose, &mut boxes);
             boxes
         })
+    }
+}
+
+/// A refitted tree, as a hierarchy.
+pub(crate) struct RefittedBoxes<'a> {
+    pub nodes: &'a [KdNodeRow],
+    pub boxes: &'a [Aabb],
+}
+
+impl Hierarchy for RefittedBoxes<'_> {
+    #[inline]
+    fn bounds(&self, node: u32) -> Aabb {
+        self.boxes[node as usize]
+    }
+
+    #[inline]
+    fn content(&self, node: u32) -> BvhContent {
+        match self.nodes[node as usize].unpack() {
+            KdNode::Inner { left, .. } => BvhContent::Inner { left },
+            KdNode::Leaf { first, count } => BvhContent::Leaf { first, count },
+        }
     }
 }
 

@@ -1,12 +1,12 @@
 use crate::{
     Aabb, Affine, Asset, Frame, FrameStats, InstanceId, PoseError, PoseEvaluator,
+    asset_instance::AssetInstance,
     build::{KdBuilder, KdSettings, KdTree},
-    cluster_frame::Way,
     instance::Instance,
 };
 use std::sync::Arc;
 
-/// Instances of assets, each with a pose and a transform.
+/// Instances of assets, each with a pose and a transform, and of geometry that the caller supplies.
 ///
 /// Set poses, then [`commit`](Scene::commit): the [`Frame`] that it returns borrows the scene and answers rays, so a
 /// frame can neither be traced before it is prepared nor changed while it is traced.
@@ -44,8 +44,22 @@ impl Scene {
     /// # Panics
     /// With 2³² instances.
     pub fn add(&mut self, asset: &Arc<Asset>) -> InstanceId {
+        let instance = AssetInstance::new(asset, &mut self.evaluator);
+        self.push(Instance::Asset(Box::new(instance)))
+    }
+
+    /// Adds an instance of no asset, at the origin and with nothing in it, for triangles that
+    /// [`Scene::set_geometry`] supplies.
+    ///
+    /// # Panics
+    /// With 2³² instances.
+    pub fn add_geometry(&mut self) -> InstanceId {
+        self.push(Instance::Geometry(Box::default()))
+    }
+
+    fn push(&mut self, instance: Instance) -> InstanceId {
         let id = InstanceId(u32::try_from(self.instances.len()).expect("fewer than 2^32 instances"));
-        self.instances.push(Instance::new(asset, &mut self.evaluator));
+        self.instances.push(instance);
         id
     }
 
@@ -58,8 +72,32 @@ impl Scene {
         if !world_from_asset.is_finite() {
             return Err(PoseError::TransformNotFinite);
         }
-        instance.transform = world_from_asset;
+        instance.set_transform(world_from_asset);
         Ok(())
+    }
+
+    /// Replaces the triangles of an instance that was made by [`Scene::add_geometry`]: a simulation's, say, as many as it
+    /// has at the moment, shared vertices or not. They are copied. The next commit builds a tree over them, on all cores
+    /// (feature `parallel`), and again when they or the transform have changed.
+    ///
+    /// Shapes: any number of positions, and of triangles by the indices of their corners. Space: that of the instance, from
+    /// which its transform leads to world space. A hit's triangle is the index into `triangles`.
+    ///
+    /// # Errors
+    /// [`PoseError::UnknownInstance`], [`PoseError::NotGeometry`], [`PoseError::VertexNotFinite`],
+    /// [`PoseError::CornerOutOfRange`], [`PoseError::TooManyTriangles`]; the instance then keeps its triangles.
+    pub fn set_geometry(
+        &mut self,
+        instance: InstanceId,
+        positions: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+    ) -> Result<(), PoseError> {
+        match self.instance_mut(instance)? {
+            Instance::Geometry(geometry) => geometry.set(positions, triangles),
+            Instance::Asset(_) => Err(PoseError::NotGeometry {
+                instance: instance.index(),
+            }),
+        }
     }
 
     /// Poses an instance by a clip at a time in seconds. Times outside the clip give its first or last pose.
@@ -67,7 +105,7 @@ impl Scene {
     /// # Errors
     /// [`PoseError::UnknownInstance`], [`PoseError::UnknownClip`], [`PoseError::TimeNotFinite`].
     pub fn play(&mut self, instance: InstanceId, clip: usize, seconds: f32) -> Result<(), PoseError> {
-        let count = self.instance_mut(instance)?.asset.model().clips.len();
+        let count = self.asset_instance_mut(instance)?.asset.model().clips.len();
         if clip >= count {
             return Err(PoseError::UnknownClip { clip, count });
         }
@@ -86,11 +124,7 @@ impl Scene {
     }
 
     fn evaluate(&mut self, id: InstanceId, clip: Option<usize>, seconds: f32) -> Result<(), PoseError> {
-        let count = self.instances.len();
-        let instance = self.instances.get_mut(id.index()).ok_or(PoseError::UnknownInstance {
-            instance: id.index(),
-            count,
-        })?;
+        let instance = asset_instance(&mut self.instances, id)?;
         let asset = Arc::clone(&instance.asset);
         self.evaluator
             .evaluate(asset.model(), clip, seconds, &mut instance.pose);
@@ -110,7 +144,7 @@ impl Scene {
         palette: &[Affine],
         morph_weights: &[f32],
     ) -> Result<(), PoseError> {
-        let instance = self.instance_mut(instance)?;
+        let instance = self.asset_instance_mut(instance)?;
         let model = instance.asset.model();
         let (expected, found) = (model.bones.len(), palette.len());
         if expected != found {
@@ -138,7 +172,7 @@ impl Scene {
     /// # Errors
     /// One of [`PoseError`]; the instance then keeps its pose.
     pub fn set_cache_frames(&mut self, instance: InstanceId, frames: &[f64]) -> Result<(), PoseError> {
-        let instance = self.instance_mut(instance)?;
+        let instance = self.asset_instance_mut(instance)?;
         let (expected, found) = (instance.pose.cache_frames.len(), frames.len());
         if expected != found {
             return Err(PoseError::CacheFramesLength { expected, found });
@@ -155,7 +189,7 @@ impl Scene {
     /// # Errors
     /// [`PoseError::UnknownInstance`].
     pub fn palette(&self, instance: InstanceId) -> Result<&[Affine], PoseError> {
-        Ok(&self.instance(instance)?.pose.palette)
+        Ok(&self.asset_instance(instance)?.pose.palette)
     }
 
     /// An instance's morph weights, as [`Scene::set_palette`] takes them.
@@ -163,15 +197,21 @@ impl Scene {
     /// # Errors
     /// [`PoseError::UnknownInstance`].
     pub fn morph_weights(&self, instance: InstanceId) -> Result<&[f32], PoseError> {
-        Ok(&self.instance(instance)?.pose.morph_weights)
+        Ok(&self.asset_instance(instance)?.pose.morph_weights)
     }
 
-    fn instance(&self, instance: InstanceId) -> Result<&Instance, PoseError> {
+    fn asset_instance(&self, instance: InstanceId) -> Result<&AssetInstance, PoseError> {
         let count = self.instances.len();
-        self.instances.get(instance.index()).ok_or(PoseError::UnknownInstance {
-            instance: instance.index(),
-            count,
-        })
+        let index = instance.index();
+        match self.instances.get(index) {
+            Some(Instance::Asset(instance)) => Ok(instance),
+            Some(Instance::Geometry(_)) => Err(PoseError::NoAsset { instance: index }),
+            None => Err(PoseError::UnknownInstance { instance: index, count }),
+        }
+    }
+
+    fn asset_instance_mut(&mut self, instance: InstanceId) -> Result<&mut AssetInstance, PoseError> {
+        asset_instance(&mut self.instances, instance)
     }
 
     fn instance_mut(&mut self, instance: InstanceId) -> Result<&mut Instance, PoseError> {
@@ -187,29 +227,21 @@ impl Scene {
     /// Prepares everything that rays need: cluster frames, margins, world boxes and the top-level tree.
     ///
     /// Complexity: per bone and cluster, not per triangle, but for clusters whose frame has no usable inverse, whose
-    /// vertices are posed for their bounds, and free motion, for which a tree is built. Allocates nothing once its buffers
-    /// have grown to the scene.
+    /// vertices are posed for their bounds, and free motion and supplied geometry, for which a tree is built. Allocates
+    /// nothing once its buffers have grown to the scene, but for the tasks in which such trees are built.
     pub fn commit(&mut self) -> Frame<'_> {
         self.entries.clear();
         self.boxes.clear();
         self.stats = FrameStats::default();
-        for (index, instance) in self.instances.iter_mut().enumerate() {
-            instance.update(&mut self.builder);
-            for (slot, active) in instance.clusters.iter().enumerate() {
-                self.entries.push(Entry {
-                    instance: index as u32,
-                    slot: slot as u32,
-                });
-                self.boxes.push(active.frame.bounds_world);
-                self.stats.clusters_outside += u32::from(active.excess.is_outside);
-                self.stats.largest_excess = self.stats.largest_excess.max(active.excess.largest() as f32);
-                match &active.frame.way {
-                    Way::Local(local) => {
-                        self.stats.largest_margin = self.stats.largest_margin.max(local.largest_margin());
-                    }
-                    Way::Refitted => self.stats.clusters_without_inverse += 1,
-                    Way::Posed(_) => self.stats.clusters_rebuilt += 1,
-                }
+        for (index, instance) in (0..).zip(&mut self.instances) {
+            instance.update();
+            for (slot, bounds) in (0..).zip(instance.boxes()) {
+                self.entries.push(Entry { instance: index, slot });
+                self.boxes.push(bounds);
+            }
+            match instance {
+                Instance::Asset(instance) => self.stats.add(&instance.clusters),
+                Instance::Geometry(_) => self.stats.clusters_rebuilt += 1,
             }
         }
         self.builder
@@ -229,6 +261,9 @@ impl Scene {
     pub fn commit_inside(&mut self) -> Result<Frame<'_>, PoseError> {
         self.commit();
         for (index, instance) in self.instances.iter().enumerate() {
+            let Instance::Asset(instance) = instance else {
+                continue;
+            };
             let Some(active) = instance.clusters.iter().find(|active| active.excess.is_outside) else {
                 continue;
             };
@@ -242,5 +277,15 @@ impl Scene {
             });
         }
         Ok(Frame { scene: self })
+    }
+}
+
+fn asset_instance(instances: &mut [Instance], instance: InstanceId) -> Result<&mut AssetInstance, PoseError> {
+    let count = instances.len();
+    let index = instance.index();
+    match instances.get_mut(index) {
+        Some(Instance::Asset(instance)) => Ok(instance),
+        Some(Instance::Geometry(_)) => Err(PoseError::NoAsset { instance: index }),
+        None => Err(PoseError::UnknownInstance { instance: index, count }),
     }
 }

@@ -1,3 +1,5 @@
+use crate::{asset_instance::Active, cluster_frame::Way};
+
 /// What one frame holds and cost to prepare.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameStats {
@@ -9,7 +11,8 @@ pub struct FrameStats {
     /// posed for their bounds, and their tree is refitted when a ray enters those.
     pub clusters_without_inverse: u32,
     /// Clusters of vertex caches whose trees were built for this frame over all of their posed triangles: in free motion,
-    /// and where a cluster turns over or collapses between two keys.
+    /// and where a cluster turns over or collapses between two keys. Supplied geometry counts as one each, whether or not
+    /// it had changed.
     pub clusters_rebuilt: u32,
     /// Clusters whose pose is outside the pose space that their boxes were made for, by more than rounding in `f64`. (A
     /// palette that carries its bones far from the origin is itself rounded there, and leaves the pose space by that: let the
@@ -25,6 +28,20 @@ pub struct FrameStats {
     /// Largest length by which a cluster's boxes are widened for every ray, in the cluster's rest space: rounding and
     /// the excess of its pose. What a ray adds in proportion to its distance is not in it.
     pub largest_margin: f32,
+}
+
+impl FrameStats {
+    pub(crate) fn add(&mut self, clusters: &[Active]) {
+        for active in clusters {
+            self.clusters_outside += u32::from(active.excess.is_outside);
+            self.largest_excess = self.largest_excess.max(active.excess.largest() as f32);
+            match &active.frame.way {
+                Way::Local(local) => self.largest_margin = self.largest_margin.max(local.largest_margin()),
+                Way::Refitted => self.clusters_without_inverse += 1,
+                Way::Posed(_) => self.clusters_rebuilt += 1,
+            }
+        }
+    }
 }
 
 /// What rays cost. Counted only where asked for; sums over rays. In poses outside their pose space they depend on the rays

@@ -1,9 +1,10 @@
-use crate::{Hit, instance::Instance};
+use crate::{Hit, asset_instance::AssetInstance, geometry_instance::GeometryInstance, instance::Instance};
 use restpose_formats::rows::NONE;
 
 /// What was hit, in the source's words.
 ///
-/// Numbers are those of the source file; a triangle's number counts within its primitive, strips and fans unrolled.
+/// Numbers are those of the source file; a triangle's number counts within its primitive, strips and fans unrolled. Of
+/// geometry that the caller supplied there is no more to say than the triangle: rows and other numbers are `u32::MAX`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
     /// Part row of the asset; its name is in the metadata.
@@ -20,7 +21,8 @@ pub struct SurfacePoint {
     pub bone: u32,
     /// The point, from the posed corners and the barycentric weights.
     pub position_world: [f32; 3],
-    /// The same point of the surface in the rest pose, before any morph: where a decal goes.
+    /// The same point of the surface in the rest pose, before any morph: where a decal goes. For supplied geometry, the
+    /// point before the instance transform.
     pub position_rest: [f32; 3],
     /// Geometric normal of the posed triangle, counter-clockwise winding, at length one; zeros where it has no area. A
     /// mirrored bone turns the winding, and with it this normal.
@@ -28,8 +30,32 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
-    /// `corners` are the posed corners of the triangle that was hit. Weights and normal in `f64`, rounded once.
-    pub(crate) fn new(hit: &Hit, instance: &Instance, corners: [[f32; 3]; 3]) -> Self {
+    /// Weights and normal in `f64`, rounded once.
+    pub(crate) fn new(hit: &Hit, instance: &Instance) -> Self {
+        match instance {
+            Instance::Asset(instance) => Self::of_asset(hit, instance),
+            Instance::Geometry(instance) => Self::of_geometry(hit, instance),
+        }
+    }
+
+    fn of_geometry(hit: &Hit, instance: &GeometryInstance) -> Self {
+        let corners = instance.posed_triangle(hit.triangle);
+        let given = instance.triangles()[hit.triangle as usize].map(|corner| instance.position(corner));
+        Self {
+            part: NONE,
+            source_node: NONE,
+            source_mesh: NONE,
+            source_primitive: NONE,
+            source_triangle: hit.triangle,
+            bone: NONE,
+            position_world: blend(weights(hit), corners),
+            position_rest: blend(weights(hit), given),
+            normal_world: normal(corners),
+        }
+    }
+
+    fn of_asset(hit: &Hit, instance: &AssetInstance) -> Self {
+        let corners = instance.pose_triangle(instance.cache_of_triangle(hit.triangle), hit.triangle);
         let model = instance.asset.model();
         let part = model
             .parts
@@ -45,27 +71,32 @@ impl SurfacePoint {
         let rows = model.triangles[hit.triangle as usize]
             .corners
             .map(|corner| corner as usize);
-        let (u, v) = (f64::from(hit.u), f64::from(hit.v));
-        let weights = [1.0 - u - v, u, v];
-        let blend = |points: [[f32; 3]; 3]| {
-            std::array::from_fn(|k| (0..3).map(|i| weights[i] * f64::from(points[i][k])).sum::<f64>() as f32)
-        };
         Self {
             part: part as u32,
             source_node: part_row.source_node,
             source_mesh: part_row.source_mesh,
             source_primitive: primitive_row.source_primitive,
             source_triangle: hit.triangle - primitive_row.triangle_first,
-            bone: dominant_bone(instance, rows, weights),
-            position_world: blend(corners),
-            position_rest: blend(rows.map(|row| model.vertices[row].position_rest)),
+            bone: dominant_bone(instance, rows, weights(hit)),
+            position_world: blend(weights(hit), corners),
+            position_rest: blend(weights(hit), rows.map(|row| model.vertices[row].position_rest)),
             normal_world: normal(corners),
         }
     }
 }
 
+/// Barycentric weights of the three corners.
+fn weights(hit: &Hit) -> [f64; 3] {
+    let (u, v) = (f64::from(hit.u), f64::from(hit.v));
+    [1.0 - u - v, u, v]
+}
+
+fn blend(weights: [f64; 3], points: [[f32; 3]; 3]) -> [f32; 3] {
+    std::array::from_fn(|k| (0..3).map(|i| weights[i] * f64::from(points[i][k])).sum::<f64>() as f32)
+}
+
 /// The bone with the greatest weight at the point. Quadratic in the influences of three vertices, which are few.
-fn dominant_bone(instance: &Instance, rows: [usize; 3], weights: [f64; 3]) -> u32 {
+fn dominant_bone(instance: &AssetInstance, rows: [usize; 3], weights: [f64; 3]) -> u32 {
     let model = instance.asset.model();
     let weight_of = |bone: u32| -> f64 {
         (0..3)

@@ -112,6 +112,12 @@ impl BvhNode {
 }
 
 impl Bvh {
+    /// Forgets what was built, and keeps its memory.
+    pub fn clear(&mut self) {
+        self.nodes.clear();
+        self.references.clear();
+    }
+
     /// The box around everything; empty before anything was built.
     #[must_use]
     pub fn bounds(&self) -> Aabb {

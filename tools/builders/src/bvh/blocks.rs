@@ -7,8 +7,8 @@ use super::primitive::{Extent, Primitive, list_boxes};
 use rayon::prelude::*;
 use restpose_formats::geom::Aabb;
 
-/// Primitives per block: half a megabyte, so that a core's own cache still has a block when it is read again.
-pub(super) const BLOCK: usize = 1 << 14;
+/// Primitives per block, 128 KiB: blocks enough for all threads in rather small nodes, and each worth handing out.
+pub(super) const BLOCK: usize = 1 << 12;
 
 /// [`list_boxes`] on all threads.
 pub(super) fn list_boxes_in_blocks(boxes: &[Aabb], list: &mut [Primitive]) -> Extent {

@@ -2,8 +2,7 @@ use super::BvhBuilder;
 use super::depth_limit::{must_halve, sort_into_halves};
 use super::lane_box::LaneBox;
 use super::primitive::{Extent, Primitive, list_boxes, set_len};
-use super::subtree::{DEFAULT_LEAF_SIZE, Span};
-use restpose_formats::geom::Aabb;
+use super::subtree::{DEFAULT_LEAF_SIZE, Span, start};
 use restpose_runtime::build::{Bvh, BvhNode, BvhSettings, CheckedBoxes};
 
 /// Builds by spatial medians, on one thread and in place: the fastest to build and without a cost model.
@@ -40,8 +39,7 @@ impl BvhBuilder for MedianBvh {
         let extent = list_boxes(boxes, 0, &mut self.primitives);
         // Halves of the smallest numbers round: a centroid may lie beside its box.
         let voxel = Voxel(extent.bounds.union(&extent.centroids));
-        tree.nodes.clear();
-        tree.nodes.push(BvhNode::leaf(Aabb::EMPTY, 0, 0));
+        start(&mut tree.nodes, boxes.len());
         let span = Span::root(&mut self.primitives, &mut tree.references);
         fill(span, voxel, self.leaf_size.max(1), 0, &mut tree.nodes);
     }

@@ -2,9 +2,11 @@ use super::bins::{Bins, Projection};
 use super::depth_limit::{must_halve, sort_into_halves};
 use super::measure::Measure;
 use super::primitive::{Extent, Primitive, write_references};
+use restpose_formats::geom::Aabb;
 use restpose_runtime::build::{BvhNode, BvhSettings};
 
-/// Nodes with so many primitives or fewer become leaves: of the 2 or 4 of Wald 2007, §3.8, the one with cheaper trees.
+/// Nodes with so many primitives or fewer become leaves: of the 2 or 4 of Wald 2007, §3.8, that whose trees cost 5 to 10 %
+/// less, for 15 to 30 % more time.
 pub const DEFAULT_LEAF_SIZE: usize = 2;
 
 /// Primitives that one node will contain, and the part of the tree's references that is theirs.
@@ -61,6 +63,14 @@ impl<'a> Span<'a> {
     }
 }
 
+/// Leaves nothing in `nodes` but the root's place, and room for all nodes over `count` primitives.
+pub(super) fn start(nodes: &mut Vec<BvhNode>, count: usize) {
+    nodes.clear();
+    // Growing would copy, and hold both copies. Memory that is not reached is never touched.
+    nodes.reserve(2 * count);
+    nodes.push(BvhNode::leaf(Aabb::EMPTY, 0, 0));
+}
+
 /// Builds sub-trees by binning: Wald 2007, §3.
 ///
 /// Nodes are appended depth first, left before right, so a sub-tree's nodes lie together.
@@ -82,8 +92,7 @@ impl<'a> SubtreeBuilder<'a> {
 
     /// Replaces `nodes` by the sub-tree over `span`. Its children's places count from its own root.
     pub(super) fn build(&mut self, span: Span<'_>, extent: &Extent, nodes: &mut Vec<BvhNode>) {
-        nodes.clear();
-        nodes.push(BvhNode::leaf(extent.bounds.to_aabb(), 0, 0));
+        start(nodes, span.primitives.len());
         self.fill(span, extent, 0, nodes);
     }
 

@@ -3,6 +3,7 @@ use super::depth_limit::must_halve;
 use super::lane_box::LaneBox;
 use super::measure::Measure;
 use super::primitive::{Primitive, list_boxes, set_len, write_references};
+use super::subtree::start;
 use super::sweep_split::{SweepSplit, cheapest_split};
 use restpose_runtime::build::{Bvh, BvhNode, BvhSettings, CheckedBoxes};
 use std::ops::Range;
@@ -55,8 +56,7 @@ impl BvhBuilder for SweepBvh {
         for (axis, list) in self.lists.iter_mut().enumerate() {
             sort_by_centroid(&self.spare, axis, &mut self.keys, list);
         }
-        tree.nodes.clear();
-        tree.nodes.push(BvhNode::leaf(extent.bounds.to_aabb(), 0, 0));
+        start(&mut tree.nodes, count);
         let mut build = Build {
             lists: self.lists.each_mut().map(|list| &mut list[..]),
             spare: &mut self.spare,

@@ -4,7 +4,7 @@ use super::tree_sets::{bits, built};
 use fastrand::Rng;
 use restpose_builders::bvh::{BinnedBvh, BvhBuilder, HybridBvh};
 use restpose_formats::geom::Aabb;
-use restpose_runtime::build::{Bvh, BvhSettings};
+use restpose_runtime::build::{Bvh, BvhContent, BvhSettings};
 
 /// Sets that every parallel path has work for, of even and of very uneven boxes.
 fn large_sets() -> Vec<(&'static str, Vec<Aabb>)> {
@@ -88,6 +88,21 @@ fn shuffled_boxes_give_the_same_nodes() {
                 let [given, other] =
                     [&boxes, &shuffled].map(|boxes| built(&mut *(entry.make)(), boxes, &BvhSettings::default()));
                 assert!(given.nodes == other.nodes, "{}, {name}, {n} boxes", entry.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn leaves_list_references_ascending() {
+    for entry in all_bvh_builders().iter().filter(|entry| entry.order_free) {
+        for (name, family) in FAMILIES {
+            let tree = built(&mut *(entry.make)(), &family(500, 4), &BvhSettings::default());
+            for node in &tree.nodes {
+                if let BvhContent::Leaf { first, count } = node.content() {
+                    let references = &tree.references[first as usize..][..count as usize];
+                    assert!(references.is_sorted(), "{}, {name}: {references:?}", entry.name);
+                }
             }
         }
     }

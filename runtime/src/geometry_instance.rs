@@ -1,0 +1,103 @@
+use crate::{Affine, PoseError, posed_tree::PosedTree};
+
+/// Vertices that one task poses.
+#[cfg(feature = "parallel")]
+const VERTICES_PER_TASK: usize = 4096;
+
+/// Triangles that the caller supplies, anew as often as it likes, and the tree over them.
+#[derive(Debug, Default)]
+pub(crate) struct GeometryInstance {
+    transform: Affine,
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    /// World space, as of the last commit.
+    posed: Vec<[f32; 3]>,
+    tree: PosedTree,
+    is_changed: bool,
+}
+
+impl GeometryInstance {
+    pub(crate) fn set_transform(&mut self, world_from_geometry: Affine) {
+        self.is_changed |= self.transform != world_from_geometry;
+        self.transform = world_from_geometry;
+    }
+
+    /// Replaces all triangles.
+    pub(crate) fn set(&mut self, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<(), PoseError> {
+        let count = triangles.len();
+        if count > Self::MAX_TRIANGLES {
+            return Err(PoseError::TooManyTriangles {
+                count,
+                most: Self::MAX_TRIANGLES,
+            });
+        }
+        if let Some(vertex) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+            return Err(PoseError::VertexNotFinite { vertex });
+        }
+        let vertices = positions.len();
+        let unknown = |triangle: &[u32; 3]| triangle.iter().find(|corner| **corner as usize >= vertices).copied();
+        if let Some((triangle, corner)) = triangles.iter().enumerate().find_map(|(i, t)| Some((i, unknown(t)?))) {
+            return Err(PoseError::CornerOutOfRange {
+                triangle,
+                corner,
+                vertices,
+            });
+        }
+        self.positions.clear();
+        self.positions.extend_from_slice(positions);
+        self.triangles.clear();
+        self.triangles.extend_from_slice(triangles);
+        self.is_changed = true;
+        Ok(())
+    }
+
+    /// What the tree's 32-bit indices count.
+    const MAX_TRIANGLES: usize = crate::build::CheckedBoxes::MAX_COUNT;
+
+    /// Poses all vertices and builds the tree, where something has changed since.
+    pub(crate) fn update(&mut self) {
+        if !std::mem::take(&mut self.is_changed) {
+            return;
+        }
+        let transform = self.transform;
+        let pose = |position: &[f32; 3]| transform.transform_point(*position);
+        #[cfg(feature = "parallel")]
+        {
+            use rayon::prelude::*;
+            let tasks = self.positions.par_iter().with_min_len(VERTICES_PER_TASK);
+            tasks.map(pose).collect_into_vec(&mut self.posed);
+        }
+        #[cfg(not(feature = "parallel"))]
+        {
+            self.posed.clear();
+            self.posed.extend(self.positions.iter().map(pose));
+        }
+        let (posed, triangles) = (&self.posed, &self.triangles);
+        let corners = |triangle: u32| triangles[triangle as usize].map(|corner| posed[corner as usize]);
+        self.tree.rebuild(0..triangles.len() as u32, corners);
+    }
+
+    pub(crate) fn tree(&self) -> &PosedTree {
+        &self.tree
+    }
+
+    pub(crate) fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// A vertex as it was given.
+    pub(crate) fn position(&self, vertex: u32) -> [f32; 3] {
+        self.positions[vertex as usize]
+    }
+
+    /// World space; `None` without such a vertex.
+    pub(crate) fn posed_vertex(&self, vertex: u32) -> Option<[f32; 3]> {
+        self.posed.get(vertex as usize).copied()
+    }
+
+    /// World space.
+    #[inline]
+    pub(crate) fn posed_triangle(&self, triangle: u32) -> [[f32; 3]; 3] {
+        self.triangles[triangle as usize].map(|corner| self.posed[corner as usize])
+    }
+}
