@@ -1,14 +1,14 @@
 //! `measure_builders` on small scenes, with settings that take no time.
 
-use restpose_bake::NoProgress;
+use restpose_bake::{NoProgress, import::import};
 use restpose_measure::{
-    MeasureError,
+    MeasureError, TextRow,
     builders::{
         BuilderScene, BuildersReport, BuildersSettings, Generated, GeneratedKind, builder_names, measure_builders, page,
     },
 };
 use serde_json::{Value, to_value};
-use std::sync::LazyLock;
+use std::{path::Path, sync::LazyLock};
 
 fn scene(kind: GeneratedKind, triangles: usize) -> BuilderScene {
     BuilderScene::generated(Generated { kind, triangles }, 3)
@@ -135,14 +135,50 @@ fn rays_hit_and_are_compared_with_brute_force() {
 
 #[test]
 fn orders_stand_side_by_side() {
-    let orders = MEASURED.orders();
-    let references = 2;
-    let own = rows(&MEASURED)
+    let cells: Vec<[String; 11]> = MEASURED.orders().iter().map(TextRow::cells).collect();
+    let references = ["bvh-sweep", "kd-sweep"];
+    let expected = builder_names().into_iter().filter(|name| !references.contains(name));
+    let found = cells
         .iter()
-        .filter(|row| row["peer"] == true && row["threads"] != 1)
-        .count();
-    assert_eq!(own % 2, 0);
-    assert_eq!(orders.len(), 2 * (builder_names().len() - references));
+        .filter(|row| row[0] == "regular=500")
+        .map(|row| row[3].as_str());
+    assert!(found.eq(expected), "{cells:?}");
+    assert!(cells.iter().flatten().all(|cell| cell != "-"), "{cells:?}");
+
+    let settings = BuildersSettings {
+        shuffled: false,
+        ..small()
+    };
+    let report = measure_builders(&scene(GeneratedKind::Regular, 30), &settings, &NoProgress).unwrap();
+    for row in report.orders() {
+        let cells = row.cells();
+        assert_eq!([5, 7, 9].map(|column| cells[column].as_str()), ["-"; 3], "{cells:?}");
+    }
+}
+
+#[test]
+fn builders_that_follow_an_animation_stand_beside_exact_ones() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../samples/scenes/walker.glb");
+    let walker = BuilderScene::imported(&import(&path).unwrap().animation, 6).unwrap();
+    let report = to_value(measure_builders(&walker, &small(), &NoProgress).unwrap()).unwrap();
+    let (animations, frames) = (
+        report["animations"].as_array().unwrap(),
+        report["animation_frames"].as_array().unwrap(),
+    );
+    assert_eq!(frames.len(), 6 * animations.len());
+    let refit = animations.iter().find(|row| row["builder"] == "bvh-refit").unwrap();
+    assert_eq!(
+        (&refit["frames"], &refit["reference"]),
+        (&Value::from(6), &Value::from("bvh-sweep"))
+    );
+    // A character that walks is refitted well, and not for nothing.
+    let least = refit["sah_relative_least"].as_f64().unwrap();
+    assert!((0.3..1.0).contains(&least), "{least}");
+    for row in frames {
+        let relative = row["sah_relative"].as_f64().unwrap();
+        assert!(relative > 0.3 && row["seconds"].as_f64().unwrap() > 0.0, "{row}");
+    }
+    assert!(!to_value(&*MEASURED).unwrap()["theirs"].as_array().unwrap().is_empty());
 }
 
 #[test]
