@@ -43,13 +43,15 @@ impl BinCount {
 
 const MOST_BINS: usize = 128;
 
-/// Boxes and numbers of the primitives in each bin, per axis.
+/// Nodes with fewer primitives use one set of bins: merging would take longer than waiting.
+const PAIRED_MIN: usize = 256;
+
+/// Boxes of the primitives in each bin, per axis; the bits of lane 7 are how many they are.
 #[derive(Clone, Debug)]
 pub(super) struct Bins {
-    /// Two sets: every other primitive goes to the second, so that neighbours in the list, which are most often
-    /// neighbours in space, do not wait for each other's box.
+    /// In large nodes every other primitive goes to a second set, so that neighbours in the list, which are most often
+    /// neighbours in space, do not wait for each other's box. The sets are merged into the first.
     boxes: [[[BoxLanes; MOST_BINS]; 3]; 2],
-    counts: [[[u32; MOST_BINS]; 3]; 2],
     /// Cost of what lies below each border.
     below: [f32; MOST_BINS],
 }
@@ -65,23 +67,40 @@ pub(super) struct Border {
 impl Bins {
     pub(super) const EMPTY: Self = Self {
         boxes: [[[BoxLanes::EMPTY; MOST_BINS]; 3]; 2],
-        counts: [[[0; MOST_BINS]; 3]; 2],
         below: [0.0; MOST_BINS],
     };
 
     /// Bins all primitives along all axes in one pass.
     #[inline(always)]
     pub(super) fn fill<S: Lanes>(&mut self, simd: S, primitives: &[BoxLanes], map: &BinMap<S>) {
-        for (boxes, counts) in self.boxes.iter_mut().zip(&mut self.counts) {
-            for (boxes, counts) in boxes.iter_mut().zip(counts) {
-                boxes[..map.count].fill(BoxLanes::EMPTY);
-                counts[..map.count].fill(0);
+        self.clear(0, map.count);
+        if primitives.len() < PAIRED_MIN {
+            for primitive in primitives {
+                self.add(simd, 0, primitive, map);
             }
+            return;
         }
+        self.clear(1, map.count);
         for pair in primitives.chunks(2) {
             for (set, primitive) in pair.iter().enumerate() {
                 self.add(simd, set, primitive, map);
             }
+        }
+        for axis in 0..3 {
+            for bin in 0..map.count {
+                let count = self.count(axis, bin) + self.boxes[1][axis][bin].0[7].to_bits();
+                let other = simd.load8(&self.boxes[1][axis][bin].0);
+                let own = &mut self.boxes[0][axis][bin].0;
+                simd.store8(simd.max8(simd.load8(own), other), own);
+                own[7] = f32::from_bits(count);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn clear(&mut self, set: usize, count: usize) {
+        for axis in 0..3 {
+            self.boxes[set][axis][..count].fill(BoxLanes::EMPTY);
         }
     }
 
@@ -92,17 +111,18 @@ impl Bins {
         for axis in 0..3 {
             let bin = bins[axis] as usize % MOST_BINS;
             let own = &mut self.boxes[set][axis][bin].0;
-            simd.store8(simd.max8(bounds, simd.load8(own)), own);
-            self.counts[set][axis][bin] += 1;
+            simd.store8(simd.max8_counting(bounds, simd.load8(own)), own);
         }
     }
 
     #[inline(always)]
-    fn bin<S: Lanes>(&self, simd: S, axis: usize, bin: usize) -> (S::F8, u32) {
-        let a = simd.load8(&self.boxes[0][axis][bin].0);
-        let b = simd.load8(&self.boxes[1][axis][bin].0);
-        let count = self.counts[0][axis][bin] + self.counts[1][axis][bin];
-        (simd.max8(a, b), count)
+    fn bounds<S: Lanes>(&self, simd: S, axis: usize, bin: usize) -> S::F8 {
+        simd.load8(&self.boxes[0][axis][bin].0)
+    }
+
+    #[inline(always)]
+    fn count(&self, axis: usize, bin: usize) -> u32 {
+        self.boxes[0][axis][bin].0[7].to_bits()
     }
 
     /// The border at which the sum of both sides' half areas times their numbers is least, if it is below `limit`; of
@@ -114,16 +134,14 @@ impl Bins {
         for axis in 0..3 {
             let (mut union, mut number) = (empty, 0);
             for bin in 0..count - 1 {
-                let (bounds, own) = self.bin(simd, axis, bin);
-                union = simd.max8(union, bounds);
-                number += own;
+                union = simd.max8(union, self.bounds(simd, axis, bin));
+                number += self.count(axis, bin);
                 self.below[bin] = number as f32 * half_area(simd, union, scale);
             }
             let (mut union, mut number) = (empty, 0);
             for bin in (1..count).rev() {
-                let (bounds, own) = self.bin(simd, axis, bin);
-                union = simd.max8(union, bounds);
-                number += own;
+                union = simd.max8(union, self.bounds(simd, axis, bin));
+                number += self.count(axis, bin);
                 // Not a number where a side is empty, and then never less.
                 let cost = self.below[bin - 1] + number as f32 * half_area(simd, union, scale);
                 if cost < best {
@@ -141,7 +159,7 @@ impl Bins {
         let mut sides = [BoxLanes::EMPTY; 2];
         for bin in 0..count {
             let side = &mut sides[usize::from(bin >= border.bin)].0;
-            let union = simd.max8(self.bin(simd, border.axis, bin).0, simd.load8(side));
+            let union = simd.max8(self.bounds(simd, border.axis, bin), simd.load8(side));
             simd.store8(union, side);
         }
         sides

@@ -18,7 +18,11 @@ pub(super) struct BoxLanes(pub [f32; 8]);
 
 impl BoxLanes {
     /// The neutral element of [`BoxLanes::union`].
-    pub(super) const EMPTY: Self = Self([f32::NEG_INFINITY; 8]);
+    pub(super) const EMPTY: Self = {
+        let mut lanes = [f32::NEG_INFINITY; 8];
+        lanes[7] = 0.0;
+        Self(lanes)
+    };
 
     #[inline(always)]
     pub(super) fn new(bounds: &Aabb, id: u32) -> Self {

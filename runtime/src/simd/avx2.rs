@@ -40,6 +40,16 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn max8_counting(self, a: __m256, b: __m256) -> __m256 {
+        // SAFETY: see above.
+        unsafe {
+            let one = _mm256_setr_epi32(0, 0, 0, 0, 0, 0, 0, 1);
+            let counted = _mm256_add_epi32(_mm256_castps_si256(b), one);
+            _mm256_blend_ps::<0b1000_0000>(_mm256_max_ps(a, b), _mm256_castsi256_ps(counted))
+        }
+    }
+
+    #[inline(always)]
     fn halves(self, from: __m256) -> [__m128; 2] {
         // SAFETY: see above.
         unsafe { [_mm256_castps256_ps128(from), _mm256_extractf128_ps::<1>(from)] }

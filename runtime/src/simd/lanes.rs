@@ -10,6 +10,8 @@ pub(crate) trait Lanes: Copy {
     fn load8(self, from: &[f32; 8]) -> Self::F8;
     fn store8(self, from: Self::F8, to: &mut [f32; 8]);
     fn max8(self, a: Self::F8, b: Self::F8) -> Self::F8;
+    /// As `max8`, where lane 7 counts: its bits are those of `b`'s, plus one.
+    fn max8_counting(self, a: Self::F8, b: Self::F8) -> Self::F8;
     /// Lanes 0 to 3 and 4 to 7.
     fn halves(self, from: Self::F8) -> [Self::F4; 2];
 

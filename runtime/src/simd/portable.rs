@@ -24,6 +24,13 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn max8_counting(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
+        let mut out = self.max8(a, b);
+        out[7] = f32::from_bits(b[7].to_bits().wrapping_add(1));
+        out
+    }
+
+    #[inline(always)]
     fn halves(self, from: [f32; 8]) -> [[f32; 4]; 2] {
         [0, 4].map(|first| std::array::from_fn(|k| from[first + k]))
     }
