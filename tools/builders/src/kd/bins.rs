@@ -64,6 +64,11 @@ impl Bins {
         }
     }
 
+    /// Lays as many bins over `range` as there are fragments, from 16 to 256. More gain no quality that can be measured.
+    pub(super) fn lay_adaptive(&mut self, range: &Aabb, fragments: usize) {
+        self.lay(range, fragments.clamp(16, 256));
+    }
+
     /// Counts fragments within the range.
     #[inline]
     pub(super) fn add(&mut self, fragments: &[Fragment]) {

@@ -1,17 +1,26 @@
 //! Builders of kd-trees.
 
+mod axis_sides;
 mod bins;
 mod cell_cost;
 mod cut;
 mod fragment;
 mod growth;
+mod kalman;
+mod line_search;
+mod plane_search;
 mod ranked;
 mod streamed;
 mod streamed_top;
 mod subtree;
+mod tracked;
+mod tracking_stats;
 
 use restpose_runtime::build::{CheckedBoxes, KdBuilder, KdSettings, KdTree};
+
 pub use streamed::StreamedKd;
+pub use tracked::TrackedKd;
+pub use tracking_stats::TrackingStats;
 
 /// Builds a kd-tree; owns all scratch memory.
 pub trait KdTreeBuilder {

@@ -11,16 +11,12 @@ use std::ops::Range;
 /// How a builder lays its bins, and when it stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BinRule {
-    /// As many bins as the node has fragments, within [`ADAPTIVE_BINS`], over their bounds; else
-    /// [`Bins::MAX_COUNT`] over the cell.
+    /// Bins that follow the number of fragments, over their bounds; else [`Bins::MAX_COUNT`] over the cell.
     pub adaptive: bool,
     /// A node of at most so many fragments is swept exactly.
     pub sweep_at: usize,
     pub stop: Stop,
 }
-
-/// Least and most bins where their number follows that of the fragments. More gain no quality that can be measured.
-const ADAPTIVE_BINS: [usize; 2] = [16, 256];
 
 /// Builds the part of a tree below a node, depth first; owns all scratch memory.
 #[derive(Debug)]
@@ -77,8 +73,7 @@ impl SubtreeBuilder {
         loop {
             let fragments = &self.stack.list[range.clone()];
             if rule.adaptive && !laid {
-                let [least, most] = ADAPTIVE_BINS;
-                self.bins.lay(&bounds, count.clamp(least, most));
+                self.bins.lay_adaptive(&bounds, count);
                 self.bins.add(fragments);
                 laid = true;
             } else if !rule.adaptive {
