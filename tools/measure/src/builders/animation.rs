@@ -1,5 +1,5 @@
 use super::{
-    follower::{Follower, Foresight, FrameWorker, followers},
+    follower::{Follower, FrameWorker, followers},
     list::Builder,
     report::{AnimationFigures, FrameFigures},
     scene::BuilderScene,
@@ -10,6 +10,7 @@ use super::{
 };
 use crate::{MeasureError, statistics::median, thread_pools::thread_pools};
 use restpose_bake::Progress;
+use restpose_builders::kd::TrackingStats;
 use restpose_runtime::build::CheckedBoxes;
 use std::time::Instant;
 
@@ -28,7 +29,7 @@ struct Followed {
     /// Per frame, a time per pass.
     seconds: Vec<Vec<f64>>,
     costs: Vec<f64>,
-    foresight: Vec<Option<Foresight>>,
+    tracking: Vec<Option<TrackingStats>>,
 }
 
 /// Builders that follow an animation from frame to frame beside those of the same kind of tree, out of `builders`, that
@@ -66,7 +67,7 @@ pub(super) fn follow_animation(
             follower,
             seconds: vec![Vec::new(); frames.len()],
             costs: Vec::new(),
-            foresight: Vec::new(),
+            tracking: Vec::new(),
         });
     }
     let pool = &thread_pools(&[1])?[0];
@@ -112,7 +113,7 @@ pub(super) fn follow_animation(
                     tree.validate(boxes.get())
                         .map_err(|source| invalid(own.follower.name, source))?;
                     own.costs.push(tree.sah_cost());
-                    own.foresight.push(worker.foresight());
+                    own.tracking.push(worker.tracking());
                 }
             }
             if pass == 0 {
@@ -162,7 +163,7 @@ fn figures(
         };
         let first = all_frames.len();
         for (frame, seconds) in seconds.iter().enumerate() {
-            let foresight = own.foresight[frame];
+            let tracking = own.tracking[frame];
             all_frames.push(FrameFigures {
                 scene: scene.name.clone(),
                 frame: frame as u64,
@@ -171,10 +172,10 @@ fn figures(
                 exact_seconds: exact_seconds[frame],
                 sah_cost: own.costs[frame],
                 sah_relative: exact_costs[frame] / own.costs[frame],
-                tracked_fraction: foresight.map(|own| own.tracked_fraction),
-                prediction_error: foresight.map(|own| own.prediction_error),
-                tracked_steps: foresight.map(|own| own.tracked_steps),
-                untracked_steps: foresight.map(|own| own.untracked_steps),
+                tracked_fraction: tracking.map(|own| own.tracked_share()),
+                prediction_error: tracking.map(|own| own.prediction_error()),
+                tracked_steps: tracking.map(|own| own.steps_per_tracked_node()),
+                untracked_steps: tracking.map(|own| own.steps_per_untracked_node()),
             });
         }
         let running = &all_frames[first + 1..];

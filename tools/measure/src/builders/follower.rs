@@ -2,8 +2,11 @@
 
 use super::tree::{Tree, TreeKind};
 use crate::MeasureError;
-use restpose_builders::bvh::{BvhBuilder, HybridBvh, refit};
-use restpose_runtime::build::{Bvh, BvhSettings, CheckedBoxes};
+use restpose_builders::{
+    bvh::{BvhBuilder, HybridBvh, refit},
+    kd::{KdTreeBuilder, TrackedKd, TrackingStats},
+};
+use restpose_runtime::build::{Bvh, BvhSettings, CheckedBoxes, KdSettings, KdTree};
 
 /// A builder for one frame after the other.
 pub(super) struct Follower {
@@ -21,32 +24,20 @@ pub(super) trait FrameWorker: Send {
     /// A copy of the tree that was built last.
     fn tree(&self) -> Tree;
 
-    /// How well it foresaw the last frame, if it tries to.
-    fn foresight(&self) -> Option<Foresight> {
+    /// How well it foresaw the planes of the last frame, if it tries to.
+    fn tracking(&self) -> Option<TrackingStats> {
         None
     }
 }
 
-/// How well a frame's split planes were foreseen.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Foresight {
-    /// Share of the nodes whose plane was foreseen at all.
-    pub tracked_fraction: f64,
-    /// Mean distance of a foreseen plane from the best, relative to its cell.
-    pub prediction_error: f64,
-    /// Mean evaluations of the cost in search of a plane that was foreseen.
-    pub tracked_steps: f64,
-    /// The same where it was not.
-    pub untracked_steps: f64,
-}
-
 /// All of them.
 pub(super) fn followers() -> Vec<Follower> {
-    vec![Follower {
-        name: "bvh-refit",
-        kind: TreeKind::Bvh,
-        make: || Box::new(Refit(Bvh::default())),
-    }]
+    let follower = |name, kind, make| Follower { name, kind, make };
+    vec![
+        follower("bvh-refit", TreeKind::Bvh, || Box::new(Refit(Bvh::default()))),
+        follower("kd-tracked", TreeKind::Kd, || tracked(TrackedKd::new())),
+        follower("kd-tracked-paper", TreeKind::Kd, || tracked(TrackedKd::paper())),
+    ]
 }
 
 /// The topology of the first frame, by the binned builder, in all frames.
@@ -63,5 +54,31 @@ impl FrameWorker for Refit {
 
     fn tree(&self) -> Tree {
         Tree::Bvh(self.0.clone())
+    }
+}
+
+/// Planes tracked from frame to frame.
+struct Tracked {
+    builder: TrackedKd,
+    tree: KdTree,
+}
+
+fn tracked(builder: TrackedKd) -> Box<dyn FrameWorker> {
+    let tree = KdTree::default();
+    Box::new(Tracked { builder, tree })
+}
+
+impl FrameWorker for Tracked {
+    fn build(&mut self, boxes: CheckedBoxes<'_>) -> Result<(), MeasureError> {
+        self.builder.build(boxes, &KdSettings::default(), &mut self.tree);
+        Ok(())
+    }
+
+    fn tree(&self) -> Tree {
+        Tree::Kd(self.tree.clone())
+    }
+
+    fn tracking(&self) -> Option<TrackingStats> {
+        Some(*self.builder.stats())
     }
 }

@@ -133,9 +133,9 @@ pub struct AnimationFigures {
     pub sah_relative: f64,
     /// The least of these.
     pub sah_relative_least: f64,
-    /// Share of the nodes whose plane was foreseen: mean. Null where nothing is foreseen, as in what follows.
+    /// Share of the searched nodes whose plane was found from its prediction: mean. Null where nothing is foreseen, as in what follows.
     pub tracked_fraction: Option<f64>,
-    /// Distance of a foreseen plane from the best, relative to the length of its cell: mean.
+    /// Distance of a foreseen plane from the best, in lengths of the box around its node's boxes: mean.
     pub prediction_error: Option<f64>,
     /// Evaluations of the cost in search of a plane that was foreseen: mean.
     pub tracked_steps: Option<f64>,

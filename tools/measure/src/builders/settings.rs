@@ -73,7 +73,7 @@ impl BuildersSettings {
                 known: known.join(", "),
             });
         }
-        at_least_one("number of builders", self.builders.len() as u64)?;
+        at_least_one("number of builders that need no animation", self.chosen().len() as u64)?;
         at_least_one("number of thread counts", self.threads.len() as u64)?;
         for threads in &self.threads {
             MeasureError::check_setting("threads", *threads as u64, 1, THREAD_LIMIT as u64, "1 to 1024")?;

@@ -142,7 +142,7 @@ impl TextRow<14> for AnimationFigures {
     const TITLE: &'static str = "From frame to frame, as in Hussain and Grahn's Table I";
     const LEGEND: &'static str = "one thread; exact ms: the reference, median over the frames; initial: the first frame; saved: of the exact builder's time; \
                                   SAH: cost of the exact tree over this one's, mean and least; tracked: share of nodes whose plane was foreseen; error: of \
-                                  foreseen planes, relative to their cells; steps: of a search for a plane, where it was foreseen and where not";
+                                  foreseen planes, in lengths of the box around a node's boxes; steps: of a search for a plane, where it was foreseen and where not";
     const COLUMNS: [&'static str; 14] = [
         "scene",
         "triangles",
