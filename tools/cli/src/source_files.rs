@@ -13,6 +13,14 @@ pub fn check(paths: &[PathBuf]) -> Result<(), Failure> {
     })
 }
 
+/// The files of a scene that stands on the command line as one word: a path that is there, or paths joined by plus signs.
+pub fn joined(word: &Path) -> Vec<PathBuf> {
+    match word.to_str() {
+        Some(text) if !word.exists() => text.split('+').map(PathBuf::from).collect(),
+        _ => vec![word.to_owned()],
+    }
+}
+
 /// Reads a scene.
 pub fn import(paths: &[PathBuf], settings: &ImportSettings) -> Result<Imported, Failure> {
     import_files(paths, settings).map_err(|error| Failure::import(first(paths), error))

@@ -1,7 +1,13 @@
-use crate::Place;
+use crate::{
+    Place,
+    builders::{TreeFault, TreeHit},
+};
 use restpose_bake::BakeError;
 use restpose_formats::FormatError;
-use restpose_runtime::{Hit, PoseError, Ray};
+use restpose_runtime::{
+    Hit, PoseError, Ray,
+    build::{BuildError, BvhFault},
+};
 
 /// Why nothing was measured.
 #[derive(Debug, thiserror::Error)]
@@ -63,6 +69,61 @@ pub enum MeasureError {
     /// Two ways of tracing disagree, so their times mean nothing.
     #[error(transparent)]
     WrongHit(#[from] Box<WrongHit>),
+    /// There is no such builder.
+    #[error("no builder {name:?}; known: {known}")]
+    UnknownBuilder {
+        /// Name given.
+        name: String,
+        /// All there are.
+        known: String,
+    },
+    /// No tree can be built over the triangles' boxes.
+    #[error("{scene}: {source}")]
+    Boxes {
+        /// Scene.
+        scene: String,
+        /// Why not.
+        source: BuildError,
+    },
+    /// A builder's tree is none; a defect of the builder.
+    #[error("{scene}: {builder} on {threads} threads: {source}; please report this")]
+    Tree {
+        /// Scene.
+        scene: String,
+        /// Builder.
+        builder: String,
+        /// Its threads.
+        threads: usize,
+        /// Why it is none.
+        source: TreeFault,
+    },
+    /// A tree depends on the number of threads; a defect of the builder.
+    #[error("{scene}: {builder} builds another tree on {threads} threads than on {first}; please report this")]
+    TreeDiffers {
+        /// Scene.
+        scene: String,
+        /// Builder.
+        builder: String,
+        /// Threads of the first build.
+        first: usize,
+        /// Threads of the build that differs.
+        threads: usize,
+    },
+    /// A tree could not be refitted; a defect of its builder.
+    #[error("{0}; please report this")]
+    Refit(#[from] BvhFault),
+    /// Somebody else's builder failed.
+    #[cfg(feature = "peers")]
+    #[error("{peer}: {fault}; leave it out")]
+    Peer {
+        /// Whose.
+        peer: &'static str,
+        /// What happened.
+        fault: String,
+    },
+    /// Two trees disagree on what a ray hits, so their times mean nothing.
+    #[error(transparent)]
+    WrongTreeHit(#[from] Box<WrongTreeHit>),
 }
 
 impl MeasureError {
@@ -98,4 +159,22 @@ pub struct WrongHit {
     pub reference: &'static str,
     /// The hit of that.
     pub expected: Option<Hit>,
+}
+
+/// A ray whose hit is not the same in two builders' trees.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{scene}: the tree of {builder} finds {found:?} and {reference} {expected:?} for {ray:?}; please report this")]
+pub struct WrongTreeHit {
+    /// Scene.
+    pub scene: String,
+    /// Builder of the tree that was traced.
+    pub builder: String,
+    /// Ray.
+    pub ray: Ray,
+    /// Its hit.
+    pub found: Option<TreeHit>,
+    /// What it was compared with.
+    pub reference: &'static str,
+    /// The hit of that.
+    pub expected: Option<TreeHit>,
 }

@@ -1,5 +1,6 @@
 //! Measurements of baked assets: tables and plots of numbers that a run produced. Nothing here prints.
 
+pub mod builders;
 mod checked_rays;
 mod clock;
 mod error;
@@ -17,9 +18,11 @@ mod spread;
 mod static_twin;
 mod statistics;
 mod subdivision_limit;
+mod text_row;
 mod thread_pools;
 mod view;
 
-pub use error::{MeasureError, WrongHit};
+pub use error::{MeasureError, WrongHit, WrongTreeHit};
 pub use place::Place;
 pub use ray_cost::{RayCost, TreeCost};
+pub use text_row::TextRow;

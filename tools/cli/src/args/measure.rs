@@ -1,4 +1,5 @@
 use super::{
+    BuildersArgs,
     keyframed::{KeptFramesArgs, KeyframedArgs},
     values::{self, ClassOverride},
 };
@@ -25,6 +26,9 @@ pub enum MeasureTable {
     /// Pose spaces, ways to bound their boxes, preprocessing, and what sampling loses
     #[command(after_help = ExitCode::table())]
     Poses(PosesArgs),
+    /// Every tree builder: how fast it builds, how good its trees are, and what threads gain
+    #[command(after_help = ExitCode::table())]
+    Builders(BuildersArgs),
 }
 
 /// Options of `measure frame`.

@@ -1,6 +1,7 @@
 //! The command line: what can be asked for, with every default and range.
 
 mod bake;
+mod builders;
 mod demo;
 mod file;
 mod frame_range;
@@ -12,6 +13,7 @@ mod values;
 mod verify;
 
 pub use bake::BakeArgs;
+pub use builders::BuildersArgs;
 pub use demo::DemoArgs;
 pub use file::{InfoArgs, ValidateArgs};
 pub use measure::{FrameArgs, MeasureArgs, MeasureTable, MotionArgs, PosesArgs};

@@ -1,6 +1,6 @@
 use super::Context;
 use crate::{
-    args::{FrameArgs, MeasureArgs, MeasureTable, MotionArgs, PosesArgs},
+    args::{BuildersArgs, FrameArgs, MeasureArgs, MeasureTable, MotionArgs, PosesArgs},
     exit_code::ExitCode,
     failure::Failure,
     input_file,
@@ -12,10 +12,11 @@ use crate::{
 };
 use restpose_bake::{BakeSettings, import::import};
 use restpose_measure::{
-    MeasureError,
+    MeasureError, TextRow,
+    builders::{self, BuilderScene, BuildersReport, BuildersSettings, measure_builders},
     frame::{self, FrameReport, FrameSettings, measure_frame},
     motion::{self, MotionReport, MotionSettings, measure_motion},
-    poses::{self, PosesReport, PosesSettings, TextRow, measure_poses},
+    poses::{self, PosesReport, PosesSettings, measure_poses},
 };
 use serde::Serialize;
 use std::{
@@ -37,6 +38,7 @@ pub fn run(args: &MeasureArgs, context: &Context) -> Result<Answer, Failure> {
         MeasureTable::Frame(args) => frame(args, context),
         MeasureTable::Motion(args) => motion(args, context),
         MeasureTable::Poses(args) => poses(args, context),
+        MeasureTable::Builders(args) => builders(args, context),
     }
 }
 
@@ -121,6 +123,59 @@ fn poses(args: &PosesArgs, context: &Context) -> Result<Answer, Failure> {
     answer(&measured, poses_lines(&measured), &files, context)
 }
 
+fn builders(args: &BuildersArgs, context: &Context) -> Result<Answer, Failure> {
+    let sources: Vec<Vec<PathBuf>> = args.scenes.iter().map(|scene| source_files::joined(scene)).collect();
+    sources.iter().try_for_each(|paths| source_files::check(paths))?;
+    let folder = args.output.as_deref().map(OutputFolder::prepare).transpose()?;
+    let mut settings = BuildersSettings {
+        shuffled: args.shuffled,
+        repeats: args.repeats,
+        seconds: args.seconds,
+        picture_side: args.picture_side,
+        random_rays: args.random_rays,
+        frames: args.animation_frames,
+        seed: args.seed,
+        ..BuildersSettings::default()
+    };
+    if !args.builders.is_empty() {
+        settings.builders.clone_from(&args.builders);
+    }
+    if !args.thread_counts.is_empty() {
+        settings.threads = args.thread_counts.iter().copied().map(NonZeroUsize::get).collect();
+    }
+    let mut measured: Option<BuildersReport> = None;
+    let mut measure = |scene: &BuilderScene, path: &Path| {
+        let own = measure_builders(scene, &settings, &context.reporter).map_err(|error| failure(path, error))?;
+        match &mut measured {
+            Some(all) => all.append(own),
+            None => measured = Some(own),
+        }
+        Ok(())
+    };
+    for paths in &sources {
+        let path = source_files::first(paths);
+        context.reporter.set_label(&path.display().to_string());
+        context.reporter.stage("import", 0);
+        let source = source_files::import(paths, &args.frames.settings())?;
+        let scene =
+            BuilderScene::imported(&source.animation, args.animation_frames).map_err(|error| failure(path, error))?;
+        measure(&scene, path)?;
+    }
+    for generated in &args.generated {
+        let name = generated.to_string();
+        context.reporter.set_label(&name);
+        context.reporter.stage("generate", 0);
+        let scene = BuilderScene::generated(*generated, args.seed);
+        measure(&scene, Path::new(&name))?;
+    }
+    // The command line has at least one scene.
+    let Some(measured) = measured else {
+        return Err(Failure::new(ExitCode::CommandLine, "no scene given".to_owned()));
+    };
+    let files = write("builders", &measured, &builders::page(&measured), folder)?;
+    answer(&measured, builders_lines(&measured), &files, context)
+}
+
 fn answer(
     measured: &impl Serialize,
     mut lines: Vec<String>,
@@ -160,9 +215,11 @@ fn write(
 fn failure(source: &Path, error: MeasureError) -> Failure {
     let code = match &error {
         MeasureError::Bake(error) => return Failure::bake(source, error),
-        MeasureError::Setting { .. } | MeasureError::TooManyTriangles { .. } => ExitCode::CommandLine,
-        MeasureError::NoClip { .. } => ExitCode::InvalidInput,
-        MeasureError::WrongHit(_) => ExitCode::VerificationFailed,
+        MeasureError::Setting { .. } | MeasureError::TooManyTriangles { .. } | MeasureError::UnknownBuilder { .. } => {
+            ExitCode::CommandLine
+        }
+        MeasureError::NoClip { .. } | MeasureError::Boxes { .. } => ExitCode::InvalidInput,
+        MeasureError::WrongHit(_) | MeasureError::WrongTreeHit(_) => ExitCode::VerificationFailed,
         _ => ExitCode::Internal,
     };
     Failure::at(code, source, format!("{}: {error}", source.display()))
@@ -198,12 +255,24 @@ fn poses_lines(measured: &PosesReport) -> Vec<String> {
     .concat()
 }
 
-fn rows_lines<const N: usize, R: TextRow<N>>(rows: &[R]) -> [String; 4] {
+fn builders_lines(measured: &BuildersReport) -> Vec<String> {
+    [
+        rows_lines(&measured.orders()),
+        rows_lines(&measured.animations),
+        rows_lines(&measured.builds),
+    ]
+    .concat()
+}
+
+fn rows_lines<const N: usize, R: TextRow<N>>(rows: &[R]) -> Vec<String> {
+    if rows.is_empty() {
+        return Vec::new();
+    }
     let mut table = Table::new(R::COLUMNS);
     for row in rows {
         table.add(row.cells());
     }
-    [
+    vec![
         format!("{}: {}", R::TITLE, R::LEGEND),
         String::new(),
         table.to_string(),

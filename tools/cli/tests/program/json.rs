@@ -182,6 +182,34 @@ fn measure_poses_prints_its_keys() {
 }
 
 #[test]
+fn measure_builders_prints_its_keys() {
+    let folder = folder();
+    let [mesh, cache] = ["goose.obj", "goose.pc2"].map(|name| sample(name).display().to_string());
+    let scene = format!("{mesh}+{cache}");
+    let least = [
+        "--generated",
+        "uneven=300",
+        "--repeats",
+        "1",
+        "--thread-counts",
+        "1,2",
+        "--picture-side",
+        "16",
+        "--random-rays",
+        "50",
+        "--animation-frames",
+        "3",
+        "-o",
+        "out",
+    ];
+    let measure = [&["measure", "builders", scene.as_str()], &least[..]].concat();
+    agree("measure builders", folder.path(), &[&measure]);
+    for name in ["builders.html", "builders.json"] {
+        assert!(folder.path().join("out").join(name).is_file(), "{name}");
+    }
+}
+
+#[test]
 fn a_failure_prints_its_keys() {
     let folder = folder();
     door(folder.path());

@@ -14,5 +14,6 @@ mod pictures;
 mod pose_spaces;
 mod run;
 mod terminal;
+mod tree_builders;
 mod verification;
 mod vertex_caches;

@@ -27,7 +27,6 @@ pub use report::{
     TessellationFigures,
 };
 pub use settings::PosesSettings;
-pub use text::TextRow;
 pub use thesis::{ThesisPoseSpace, ThesisTessellation};
 
 use crate::{MeasureError, thread_pools::thread_pools};

@@ -1,5 +1,6 @@
-use super::{AccuracyFigures, BoundsFigures, PosesReport, TextRow};
+use super::{AccuracyFigures, BoundsFigures, PosesReport};
 use crate::{
+    TextRow,
     page::{OURS, STATIC, document, table},
     plot::{Plot, Scale, Series, escape},
 };

@@ -2,19 +2,7 @@ use super::{
     AccuracyFigures, BoundsFigures, FileFigures, PoseSpaceFigures, RayFigures, TessellationFigures, ThesisPoseSpace,
     ThesisTessellation,
 };
-
-/// A row of a table of `N` columns.
-pub trait TextRow<const N: usize> {
-    /// What the table shows.
-    const TITLE: &'static str;
-    /// What the columns are.
-    const LEGEND: &'static str;
-    /// Titles of the columns.
-    const COLUMNS: [&'static str; N];
-
-    /// The row as text, short.
-    fn cells(&self) -> [String; N];
-}
+use crate::TextRow;
 
 impl TextRow<16> for PoseSpaceFigures {
     const TITLE: &'static str = "Pose spaces";
