@@ -42,10 +42,15 @@ pub(super) fn split<S: Lanes>(
     Some(Split { left, bounds })
 }
 
-/// Parts `primitives`, two or more, in the middle of the list.
+/// Parts `primitives`, two or more, into equal halves, by centers along the longest side of `bounds`.
 #[inline(always)]
-pub(super) fn halve<S: Lanes>(simd: S, primitives: &[BoxLanes]) -> Split {
+pub(super) fn halve<S: Lanes>(simd: S, primitives: &mut [BoxLanes], bounds: &BoxLanes) -> Split {
     let left = primitives.len() / 2;
+    let side = |axis: usize| f64::from(bounds.0[4 + axis]) + f64::from(bounds.0[axis]);
+    let axis = (1..3).fold(0, |widest, axis| if side(axis) > side(widest) { axis } else { widest });
+    primitives.select_nth_unstable_by(left, |a, b| {
+        a.half_center_along(axis).total_cmp(&b.half_center_along(axis))
+    });
     let (below, above) = primitives.split_at(left);
     Split {
         left,

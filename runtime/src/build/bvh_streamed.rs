@@ -17,7 +17,11 @@ const TASK_PRIMITIVES: usize = 4096;
 ///
 /// Memory: 32 bytes per box here, and 64 for nodes and 4 for references in the tree.
 ///
-/// Based on: Günther, *Ray Tracing of Dynamic Scenes*, 2014, §4.2.2.
+/// Based on: Günther, *Ray Tracing of Dynamic Scenes*, 2014, §4.2.2. Differs where a choice of the dissertation was beaten
+/// (measured against `FusedBvh` of the tools, which keeps to the letter; trees cost the same within 0.2 %): bins are filled
+/// in a pass of their own (in the parent's parting pass 13 to 37 % longer), nodes are parted by the map of the bins (by the
+/// bin's smallest centroid 1 to 3 % longer), and 8 primitives or fewer by exact sweeps (by bins 30 to 35 % longer with
+/// AVX2).
 #[derive(Debug)]
 pub struct StreamedBvh {
     count: BinCount,

@@ -148,7 +148,7 @@ fn build_with<S: Lanes>(simd: S, plan: &Plan, job: Job<'_>, bins: &mut Bins) -> 
 
 /// Parts the primitives of a node; `None` when it becomes a leaf.
 ///
-/// Where halving from here on only just keeps [`MAX_BVH_DEPTH`], the list is halved: centers that are spaced
+/// Where halving from here on only just keeps [`MAX_BVH_DEPTH`], the node is halved: centers that are spaced
 /// exponentially would make a tree as deep as they are many.
 #[inline(always)]
 fn split_at_depth<S: Lanes>(
@@ -166,6 +166,6 @@ fn split_at_depth<S: Lanes>(
     if depth + halvings < MAX_BVH_DEPTH {
         split(simd, primitives, bounds, plan.count, &plan.settings, bins)
     } else {
-        Some(halve(simd, primitives))
+        Some(halve(simd, primitives, bounds))
     }
 }

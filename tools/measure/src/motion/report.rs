@@ -169,7 +169,7 @@ pub struct CachedPart {
     pub expected_cost: f64,
     /// The same with one segment.
     pub expected_cost_one_segment: f64,
-    /// The same through a tree over the posed triangles.
+    /// Nodes visited and triangles tested in a hierarchy over the posed triangles, expected.
     pub expected_cost_rebuilt: f64,
     /// Time segments; empty in free motion.
     pub segments: Vec<MotionSegment>,
