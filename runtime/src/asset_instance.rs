@@ -1,9 +1,10 @@
 use crate::{
     Aabb, Affine, Asset, Pose, PoseEvaluator,
+    box_tree::{BoxTree, triangle_box},
+    build::BvhSettings,
     cache::CacheState,
     cluster_frame::{ClusterFrame, FrameInputs, Map64, PosedMap, Way, invert_frame},
     excess::{BoneMap, Excess, MeasuredPose, Motions},
-    posed_tree::PosedTree,
     refitted_tree::RefittedTree,
     vertex::{pose_vertex, reach},
     vertex_memo::VertexMemo,
@@ -45,7 +46,7 @@ pub(crate) struct AssetInstance {
     /// Vertices posed in this frame.
     memo: VertexMemo,
     /// Trees over posed triangles, by the order of these among `clusters`.
-    pub trees: Vec<PosedTree>,
+    pub trees: Vec<BoxTree>,
     /// Per cluster without a track.
     pub refitted: Vec<RefittedTree>,
 }
@@ -236,7 +237,7 @@ impl AssetInstance {
     /// Builds the `count`th tree over posed triangles: of free motion, or where a track turns over between two keys.
     fn posed_frame(&mut self, model: &ModelView, cache: u32, cluster: &ClusterRow, count: usize) -> ClusterFrame {
         if self.trees.len() < count {
-            self.trees.resize_with(count, PosedTree::default);
+            self.trees.resize_with(count, BoxTree::default);
         }
         let mut tree = std::mem::take(&mut self.trees[count - 1]);
         let rows = cluster.reference_first as usize..(cluster.reference_first + cluster.reference_count) as usize;
@@ -246,7 +247,8 @@ impl AssetInstance {
             .zip(first)
             .filter(|(_, first)| **first)
             .map(|(triangle, _)| *triangle);
-        tree.rebuild(triangles, |triangle| self.pose_triangle(cache, triangle));
+        let bound = |triangle| triangle_box(self.pose_triangle(cache, triangle));
+        tree.rebuild(triangles, bound, &BvhSettings::default());
         let bounds_world = tree.bounds();
         self.trees[count - 1] = tree;
         ClusterFrame {

@@ -1,4 +1,8 @@
-use crate::{Affine, PoseError, posed_tree::PosedTree};
+use crate::{
+    Affine, PoseError,
+    box_tree::{BoxTree, triangle_box},
+    build::BvhSettings,
+};
 
 /// Vertices that one task poses.
 #[cfg(feature = "parallel")]
@@ -12,7 +16,7 @@ pub(crate) struct GeometryInstance {
     triangles: Vec<[u32; 3]>,
     /// World space, as of the last commit.
     posed: Vec<[f32; 3]>,
-    tree: PosedTree,
+    tree: BoxTree,
     is_changed: bool,
 }
 
@@ -74,10 +78,12 @@ impl GeometryInstance {
         }
         let (posed, triangles) = (&self.posed, &self.triangles);
         let corners = |triangle: u32| triangles[triangle as usize].map(|corner| posed[corner as usize]);
-        self.tree.rebuild(0..triangles.len() as u32, corners);
+        let bound = |triangle| triangle_box(corners(triangle));
+        self.tree
+            .rebuild(0..triangles.len() as u32, bound, &BvhSettings::default());
     }
 
-    pub(crate) fn tree(&self) -> &PosedTree {
+    pub(crate) fn tree(&self) -> &BoxTree {
         &self.tree
     }
 

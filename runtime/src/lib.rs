@@ -33,6 +33,7 @@
 
 mod asset;
 mod asset_instance;
+mod box_tree;
 pub mod build;
 mod cache;
 mod cluster_frame;
@@ -45,7 +46,6 @@ mod instance;
 mod map;
 mod pose;
 mod pose_space;
-mod posed_tree;
 mod ray;
 mod refitted_tree;
 mod scene;

@@ -1,8 +1,6 @@
 use crate::{
-    Aabb, Affine, Asset, Frame, FrameStats, InstanceId, PoseError, PoseEvaluator,
-    asset_instance::AssetInstance,
-    build::{KdBuilder, KdSettings, KdTree},
-    instance::Instance,
+    Aabb, Affine, Asset, Frame, FrameStats, InstanceId, PoseError, PoseEvaluator, asset_instance::AssetInstance,
+    box_tree::BoxTree, build::BvhSettings, instance::Instance,
 };
 use std::sync::Arc;
 
@@ -18,11 +16,17 @@ pub struct Scene {
     /// World box of each entry.
     pub(crate) boxes: Vec<Aabb>,
     /// Over `boxes`.
-    pub(crate) top_level: KdTree,
+    pub(crate) top_level: BoxTree,
     pub(crate) stats: FrameStats,
-    builder: KdBuilder,
     evaluator: PoseEvaluator,
 }
+
+/// To enter a cluster takes as long as eight steps (the baker's cost model counts as many): so leaves have one, where boxes
+/// differ at all.
+const TOP_LEVEL: BvhSettings = BvhSettings {
+    traversal_cost: 1.0,
+    intersection_cost: 8.0,
+};
 
 /// A cluster of an instance.
 #[derive(Clone, Copy, Debug)]
@@ -244,11 +248,12 @@ impl Scene {
                 Instance::Geometry(_) => self.stats.clusters_rebuilt += 1,
             }
         }
-        self.builder
-            .build(&self.boxes, &KdSettings::default(), &mut self.top_level);
+        let boxes = &self.boxes;
+        self.top_level
+            .rebuild(0..boxes.len() as u32, |entry| boxes[entry as usize], &TOP_LEVEL);
         self.stats.instances = self.instances.len() as u32;
         self.stats.clusters = self.entries.len() as u32;
-        self.stats.top_level_nodes = self.top_level.nodes.len() as u32;
+        self.stats.top_level_nodes = self.top_level.node_count() as u32;
         Frame { scene: self }
     }
 

@@ -13,7 +13,7 @@ const TASK_PRIMITIVES: usize = 4096;
 /// Builds hierarchies by streamed binning, on the threads of the current pool (feature `parallel`); owns all scratch memory.
 ///
 /// Guarantee: the tree depends on the boxes and settings alone, not on threads, instructions or what was built before; a
-/// build over no more boxes than an earlier one into the same tree allocates nothing but for its tasks.
+/// build over no more boxes than an earlier one into the same tree allocates nothing but for its tasks, if it has more than one.
 ///
 /// Memory: 32 bytes per box here, and 64 for nodes and 4 for references in the tree.
 ///
@@ -27,6 +27,8 @@ pub struct StreamedBvh {
     count: BinCount,
     level: SimdLevel,
     primitives: Vec<BoxLanes>,
+    /// Of builds that are one task.
+    bins: Option<Box<Bins>>,
 }
 
 impl Default for StreamedBvh {
@@ -44,6 +46,7 @@ impl StreamedBvh {
             count,
             level,
             primitives: Vec::new(),
+            bins: None,
         }
     }
 
@@ -73,9 +76,15 @@ impl StreamedBvh {
             depth: 0,
             bounds,
         };
-        let mut blocks = vec![Block { first: 0, count: 1 }];
-        build_tasks(&plan, job, &mut blocks);
-        close_gaps(&mut tree.nodes, &blocks);
+        if count <= TASK_PRIMITIVES {
+            let bins = self.bins.get_or_insert_with(|| Box::new(Bins::EMPTY));
+            let used = build_subtree(&plan, job, bins);
+            tree.nodes.truncate(1 + used);
+        } else {
+            let mut blocks = vec![Block { first: 0, count: 1 }];
+            build_tasks(&plan, job, &mut blocks);
+            close_gaps(&mut tree.nodes, &blocks);
+        }
     }
 }
 
@@ -90,23 +99,20 @@ fn set_up(boxes: &[Aabb], primitives: &mut [BoxLanes]) -> BoxLanes {
         bounds
     };
     #[cfg(feature = "parallel")]
-    {
+    if boxes.len() > TASK_PRIMITIVES {
         use rayon::prelude::*;
         let parts = boxes
             .par_chunks(TASK_PRIMITIVES)
             .zip(primitives.par_chunks_mut(TASK_PRIMITIVES));
-        parts
+        return parts
             .enumerate()
             .map(part)
-            .reduce(|| BoxLanes::EMPTY, |a, b| a.union(&b))
+            .reduce(|| BoxLanes::EMPTY, |a, b| a.union(&b));
     }
-    #[cfg(not(feature = "parallel"))]
-    {
-        let parts = boxes
-            .chunks(TASK_PRIMITIVES)
-            .zip(primitives.chunks_mut(TASK_PRIMITIVES));
-        parts.enumerate().map(part).fold(BoxLanes::EMPTY, |a, b| a.union(&b))
-    }
+    let parts = boxes
+        .chunks(TASK_PRIMITIVES)
+        .zip(primitives.chunks_mut(TASK_PRIMITIVES));
+    parts.enumerate().map(part).fold(BoxLanes::EMPTY, |a, b| a.union(&b))
 }
 
 /// A range of the list of nodes that is in use.

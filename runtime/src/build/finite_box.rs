@@ -4,7 +4,7 @@ use restpose_formats::geom::Aabb;
 ///
 /// Guarantee: contains every finite point of `bounds`. An axis with a NaN side is covered from `f32::MIN` to
 /// `f32::MAX`, an infinite side is moved to the nearest of the two, and no zero is negative.
-pub(super) fn finite_box(bounds: &Aabb) -> Option<Aabb> {
+pub(crate) fn finite_box(bounds: &Aabb) -> Option<Aabb> {
     if bounds.is_empty() {
         return None;
     }

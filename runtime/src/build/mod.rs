@@ -28,6 +28,7 @@ pub use bvh_bins::BinCount;
 pub use bvh_streamed::StreamedBvh;
 pub use bvh_validate::BvhFault;
 pub use checked_boxes::{BuildError, CheckedBoxes};
+pub(crate) use finite_box::finite_box;
 pub use kd_sweep::{KdBuilder, MAX_REFERENCE_GROWTH};
 pub use kd_tree::KdTree;
 pub use kd_validate::KdFault;

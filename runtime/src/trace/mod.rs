@@ -1,4 +1,4 @@
-//! Traversal: a kd-tree over the clusters' world boxes, and in each cluster that a ray enters, the kd-tree over its
+//! Traversal: a hierarchy over the clusters' world boxes, and in each cluster that a ray enters, the kd-tree over its
 //! fuzzy boxes.
 //!
 //! Inside, the ray is `origin + t·2^e·direction'` with the direction scaled by a power of two so that its longest
@@ -17,9 +17,9 @@ pub(crate) use walk::{Hierarchy, Stack};
 use crate::{
     Hit, Ray,
     asset_instance::{Active, AssetInstance},
+    box_tree::BoxTree,
     cluster_frame::{LatticeRay, SlabRay, Way},
     instance::Instance,
-    posed_tree::PosedTree,
     refitted_tree::RefittedBoxes,
     scene::{Entry, Scene},
     stats::Count,
@@ -38,33 +38,26 @@ pub(crate) fn trace<const ANY: bool>(
 ) -> Option<Hit> {
     counters.ray();
     let (mut traveller, start) = Traveller::new(ray)?;
-    let bounds = &scene.top_level.bounds;
+    let bounds = scene.top_level.bounds();
     if bounds.is_empty() {
         return None;
     }
     let Stack([top_stack, cluster_stack]) = stack;
-    let slab = SlabRay::in_world(traveller.origin, traveller.direction, bounds);
-    let range = slab.clip(bounds, (start, traveller.limit))?;
-    let mut mailbox = Mailbox::EMPTY;
-    walk(
-        &scene.top_level.nodes,
+    let slab = SlabRay::in_world(traveller.origin, traveller.direction, &bounds);
+    let mut enter = |leaf: Range<usize>, traveller: &mut Traveller, counters: &mut _| {
+        scene.top_level.leaf(leaf).any(|id| {
+            slab.clip(&scene.boxes[id as usize], (start, traveller.limit))
+                .is_some_and(|_| enter_cluster::<ANY>(scene, id, start, traveller, cluster_stack, counters))
+        })
+    };
+    walk_hierarchy(
+        &scene.top_level,
         &slab,
-        range,
+        start,
         &mut traveller,
         top_stack,
         counters,
-        &mut |leaf, traveller, counters| {
-            for id in &scene.top_level.references[leaf] {
-                let done = mailbox.insert(*id)
-                    && slab
-                        .clip(&scene.boxes[*id as usize], (start, traveller.limit))
-                        .is_some_and(|_| enter_cluster::<ANY>(scene, *id, start, traveller, cluster_stack, counters));
-                if done {
-                    return true;
-                }
-            }
-            false
-        },
+        &mut enter,
     );
     traveller.best
 }
@@ -168,7 +161,7 @@ fn enter_asset_cluster<const ANY: bool>(
 
 /// Traverses a tree over posed triangles; `test` says whether the search is over.
 fn walk_posed<C: Count>(
-    tree: &PosedTree,
+    tree: &BoxTree,
     start: f32,
     traveller: &mut Traveller,
     stack: &mut Level,
