@@ -206,7 +206,7 @@ impl TrackedKd {
         }
         self.stats.untracked_nodes += 1;
         let found = if self.from_extremes {
-            let (found, steps) = self.search.from_extremes(fragments, bounds, cost);
+            let (found, steps) = self.search.over_all_axes(fragments, bounds, cost);
             self.stats.untracked_steps += steps;
             found
         } else {
