@@ -29,25 +29,25 @@ pub struct StreamedKd {
 }
 
 /// Where the bins adapt, nodes of so many boxes are swept: fewer ranks to sweep at no loss of quality that matters.
-pub(super) const ADAPTIVE_SWEEP: usize = 64;
+pub(super) const ADAPTIVE_SWEEP: usize = 96;
 
 /// Share of a swept node's tests below which a node in it is not worth splitting. Loses about 1 % of the expected cost and
-/// makes a third less nodes, of uneven geometry two thirds.
-const NEGLIGIBLE_SHARE: f64 = 1.0 / 320.0;
+/// makes a third less nodes, of uneven geometry half.
+const NEGLIGIBLE_SHARE: f64 = 1.0 / 900.0;
 
 /// A node of more fragments is worked off before its sub-trees are handed to threads: 1 MiB of fragments.
 const TOP_NODE: usize = 1 << 15;
 
 impl StreamedKd {
-    /// The fast rule: bins as many as boxes, from 16 to 256, over the boxes' bounds; two boxes are a leaf, and so are more
-    /// whose tests are less than 1/320 of those of the swept node around them.
+    /// The fast rule: bins as many as boxes, from 16 to 256, over the boxes' bounds; three boxes are a leaf, and so are more
+    /// whose tests are less than 1/900 of those of the swept node around them.
     #[must_use]
     pub fn new() -> Self {
         Self::with(BinRule {
             adaptive: true,
             sweep_at: ADAPTIVE_SWEEP,
             stop: Stop {
-                count: 2,
+                count: 3,
                 weight: 0.0,
                 swept_share: NEGLIGIBLE_SHARE,
             },
