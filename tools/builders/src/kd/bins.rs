@@ -1,4 +1,5 @@
 use super::cell_cost::CellCost;
+use super::float_order::{number, order};
 use super::fragment::Fragment;
 use restpose_formats::geom::Aabb;
 
@@ -171,16 +172,6 @@ impl Bins {
 #[inline]
 fn bin(position: f32, min: f32, scale: f32) -> u32 {
     ((0.5 * position - 0.5 * min) * scale + ROUNDING).to_bits() & 0x007f_ffff
-}
-
-/// Integers that sort as the numbers do.
-fn order(x: f32) -> u32 {
-    let bits = x.to_bits();
-    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
-}
-
-fn number(order: u32) -> f32 {
-    f32::from_bits(if order >> 31 == 1 { order & !(1 << 31) } else { !order })
 }
 
 #[cfg(test)]

@@ -104,7 +104,7 @@ pub(super) fn cut_beside(
     };
     let t = cost.share(axis, position);
     let price = cost.cut(axis, t, beside.left as f32, beside.right as f32);
-    (price < limit).then(|| PricedCut {
+    (price < limit).then_some(PricedCut {
         cost: price,
         cut: Cut::Part {
             plane: Plane {

@@ -16,21 +16,38 @@ pub(super) struct OpenNode {
 }
 
 /// When a node is not worth cutting, however cheap its best cut is.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Stop {
     /// A node of at most so many fragments is a leaf.
     pub count: usize,
-    /// So is one where half the cell's surface area times the fragments is at most this.
-    pub area: f64,
+    /// So is one whose weight is less: half the cell's surface area times the fragments, which is what the tests of a leaf
+    /// add to the tree's expected cost.
+    pub weight: f64,
+    /// So is one within a swept node whose weight is less than this share of the swept node's.
+    pub swept_share: f64,
 }
 
 impl Stop {
+    /// For the nodes below one of `count` fragments in `cell`, which is swept.
+    pub(super) fn below(self, count: usize, cell: &Aabb) -> Self {
+        Self {
+            weight: self.weight.max(self.swept_share * weight(count, cell)),
+            ..self
+        }
+    }
+
     /// Whether a node of `count` fragments in `cell` is a leaf.
     #[inline]
     pub(super) fn here(&self, count: usize, cell: &Aabb) -> bool {
-        let side = std::array::from_fn(|k| f64::from(cell.max[k]) - f64::from(cell.min[k]));
-        count <= self.count || half_area(side) * count as f64 <= self.area
+        count <= self.count || weight(count, cell) < self.weight
     }
+}
+
+/// Half the surface area of `cell` times `count`.
+#[inline]
+pub(super) fn weight(count: usize, cell: &Aabb) -> f64 {
+    let side = std::array::from_fn(|k| f64::from(cell.max[k]) - f64::from(cell.min[k]));
+    half_area(side) * count as f64
 }
 
 impl OpenNode {

@@ -54,7 +54,7 @@ impl PlaneSearch {
     }
 
     /// The cheapest plane that searches from the extremes of all three axes find, and the evaluations they took.
-    pub(super) fn from_extremes(
+    pub(super) fn over_all_axes(
         &mut self,
         fragments: &[Fragment],
         bounds: &Aabb,

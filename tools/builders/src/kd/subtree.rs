@@ -15,6 +15,7 @@ pub(super) struct BinRule {
     pub adaptive: bool,
     /// A node of at most so many fragments is swept exactly.
     pub sweep_at: usize,
+    /// When it ends above.
     pub stop: Stop,
 }
 
@@ -33,7 +34,7 @@ impl SubtreeBuilder {
             stack: FragmentStack::default(),
             open: Vec::new(),
             bins: Bins::new(),
-            ranked: RankedCells::default(),
+            ranked: RankedCells::new(),
         }
     }
 

@@ -1,8 +1,8 @@
 use super::KdTreeBuilder;
-use super::cell_cost::{CellCost, half_area};
+use super::cell_cost::CellCost;
 use super::cut::{Cut, cheapest_gap};
 use super::fragment::{Fragment, bounds_of};
-use super::growth::{FragmentStack, OpenNode, Stop, empty_leaf};
+use super::growth::{FragmentStack, OpenNode, Stop, empty_leaf, weight};
 use super::kalman::Kalman;
 use super::plane_search::{FoundPlane, PlaneSearch};
 use super::ranked::RankedCells;
@@ -99,7 +99,7 @@ impl TrackedKd {
             stack: FragmentStack::default(),
             open: Vec::new(),
             search: PlaneSearch::new(),
-            ranked: RankedCells::default(),
+            ranked: RankedCells::new(),
             stats: TrackingStats::default(),
         }
     }
@@ -118,9 +118,8 @@ impl TrackedKd {
     }
 
     fn measure(&mut self, count: usize, settings: &KdSettings, tree: &KdTree) {
-        let side = std::array::from_fn(|k| f64::from(tree.bounds.max[k]) - f64::from(tree.bounds.min[k]));
         let tests = sah_cost(&tree.nodes, &tree.bounds, settings) / settings.intersection_cost;
-        let per_box = half_area(side) * tests / count as f64;
+        let per_box = weight(1, &tree.bounds) * tests / count as f64;
         self.tests_per_box = if per_box.is_finite() { per_box } else { 0.0 };
     }
 
@@ -206,7 +205,7 @@ impl TrackedKd {
         }
         self.stats.untracked_nodes += 1;
         let found = if self.from_extremes {
-            let (found, steps) = self.search.from_extremes(fragments, bounds, cost);
+            let (found, steps) = self.search.over_all_axes(fragments, bounds, cost);
             self.stats.untracked_steps += steps;
             found
         } else {
@@ -254,7 +253,8 @@ impl KdTreeBuilder for TrackedKd {
         tree.bounds = bounds_of(list);
         let stop = Stop {
             count: 2,
-            area: NEGLIGIBLE * self.tests_per_box,
+            weight: NEGLIGIBLE * self.tests_per_box,
+            swept_share: 0.0,
         };
         self.grown.clear();
         self.open.push(OpenTracked {
