@@ -1,8 +1,8 @@
 //! Builders of trees over boxes, and the cost model that they minimise.
 //!
-//! [`KdBuilder`] is the exact sweep; the baker runs it once per cluster over fuzzy boxes, the runtime every frame over
-//! the clusters' world boxes. [`KdTree`] says what a tree promises and checks it, [`sah_cost`] says how good one is;
-//! [`Bvh`] does both for hierarchies. Builders over geometry take [`CheckedBoxes`].
+//! [`KdBuilder`] is the exact sweep, which the baker runs once per cluster over fuzzy boxes. [`StreamedBvh`] runs in every
+//! frame, over the clusters' world boxes and over what moves freely. [`KdTree`] says what a tree promises and checks it,
+//! [`sah_cost`] says how good one is; [`Bvh`] does both for hierarchies. Builders over geometry take [`CheckedBoxes`].
 
 mod bvh;
 mod bvh_bins;
