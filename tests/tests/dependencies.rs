@@ -57,6 +57,14 @@ fn bake_depends_on_formats_and_runtime_only() {
     );
 }
 
+#[test]
+fn builders_depend_on_formats_and_runtime_only() {
+    assert_eq!(
+        ours(&built_from("restpose-builders")),
+        ["restpose-builders", "restpose-formats", "restpose-runtime"]
+    );
+}
+
 /// A new name here is a decision about every game that links the runtime, not a side effect.
 #[test]
 fn runtime_is_built_from_these_packages() {
