@@ -44,6 +44,7 @@ fn tables_are_printed_and_name_every_scene_and_builder() {
         "uneven=7",
         "bvh-sweep",
         "bvh-streamed-fast",
+        "bvh-streamed-thesis",
         "kd-sweep",
     ] {
         assert!(run.stdout.contains(words), "{words}: {run:?}");

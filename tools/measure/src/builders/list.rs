@@ -6,7 +6,7 @@ use super::{
 };
 use crate::MeasureError;
 use restpose_builders::{
-    bvh::{BinnedBvh, BvhBuilder, GridBvh, HybridBvh, MedianBvh, SweepBvh},
+    bvh::{BinnedBvh, BvhBuilder, FusedBvh, GridBvh, HybridBvh, MedianBvh, SweepBvh},
     kd::StreamedKd,
 };
 use restpose_runtime::{
@@ -66,6 +66,9 @@ pub(super) fn builders() -> Vec<Builder> {
         own(Bvh, "bvh-streamed-fast", "Günther §4.2.2", Any, |_| {
             Ok(bvh_streamed(BinCount::FAST))
         }),
+        own(Bvh, "bvh-streamed-thesis", "Günther §4.2.2, to the letter", One, |_| {
+            Ok(bvh(FusedBvh::default()))
+        }),
         own(Bvh, "bvh-binned", "Wald §3", One, |_| Ok(bvh(BinnedBvh::default()))),
         own(Bvh, "bvh-median", "Wald §2.3", One, |_| Ok(bvh(MedianBvh::default()))),
         own(Bvh, "bvh-hybrid", "Wald §4.1", Any, |_| Ok(bvh(HybridBvh::default()))),
@@ -91,6 +94,5 @@ fn bvh(mut builder: impl BvhBuilder + Send + 'static) -> Box<dyn Worker> {
 }
 
 fn bvh_streamed(count: BinCount) -> Box<dyn Worker> {
-    let mut builder = StreamedBvh::new(count, SimdLevel::detect());
-    bvh_worker(move |boxes, settings, tree| builder.build(boxes, settings, tree))
+    bvh(StreamedBvh::new(count, SimdLevel::detect()))
 }
