@@ -66,9 +66,13 @@ pub(super) fn builders() -> Vec<Builder> {
         own(Bvh, "bvh-streamed-fast", "Günther §4.2.2", Any, |_| {
             Ok(bvh_streamed(BinCount::FAST))
         }),
-        own(Bvh, "bvh-streamed-thesis", "Günther §4.2.2, to the letter", One, |_| {
-            Ok(bvh(FusedBvh::default()))
-        }),
+        own(
+            Bvh,
+            "bvh-streamed-thesis",
+            "Günther §4.2.2, to the letter",
+            One,
+            |_| Ok(bvh(FusedBvh::default())),
+        ),
         own(Bvh, "bvh-binned", "Wald §3", One, |_| Ok(bvh(BinnedBvh::default()))),
         own(Bvh, "bvh-median", "Wald §2.3", One, |_| Ok(bvh(MedianBvh::default()))),
         own(Bvh, "bvh-hybrid", "Wald §4.1", Any, |_| Ok(bvh(HybridBvh::default()))),
