@@ -19,7 +19,9 @@
 //! ```
 //!
 //! [`Asset::open`] reads a file into memory; [`Asset::map`] maps it, which is `unsafe` because the file must not change
-//! meanwhile. Poses come from a clip ([`Scene::play`]) or from the caller ([`Scene::set_palette`]).
+//! meanwhile. Poses come from a clip ([`Scene::play`]) or from the caller ([`Scene::set_palette`]). Parts whose motion has
+//! no coherence get a hierarchy over their posed triangles in every frame, and so do triangles that the caller supplies
+//! ([`Scene::set_geometry`]).
 //!
 //! # The contract
 //!

@@ -5,7 +5,7 @@ use crate::{asset_instance::Active, cluster_frame::Way};
 pub struct FrameStats {
     /// Instances in the scene.
     pub instances: u32,
-    /// Clusters of all instances.
+    /// Clusters of all instances; supplied geometry counts as one each.
     pub clusters: u32,
     /// Clusters whose frame has no usable inverse (scaled to nothing, flattened, near-singular): their triangles were
     /// posed for their bounds, and their tree is refitted when a ray enters those.

@@ -72,7 +72,8 @@ impl BoxLanes {
 #[inline(always)]
 pub(super) fn half_area<S: Lanes>(simd: S, bounds: S::F8, scale: S::F4) -> f32 {
     let [negated_min, max] = simd.halves(bounds);
-    simd.pair_products(simd.mul4(simd.add4(max, negated_min), scale))
+    // Scaled first: the sides of finite boxes may overflow.
+    simd.pair_products(simd.add4(simd.mul4(max, scale), simd.mul4(negated_min, scale)))
 }
 
 /// The box around all of `list`.

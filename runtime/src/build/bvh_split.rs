@@ -62,8 +62,9 @@ pub(super) fn halve<S: Lanes>(simd: S, primitives: &mut [BoxLanes], bounds: &Box
 /// is not far smaller than that of `bounds`; `None` for a point.
 #[inline(always)]
 fn unit_scale<S: Lanes>(simd: S, bounds: &BoxLanes) -> Option<f32> {
+    let half = simd.splat4(0.5);
     let [negated_min, max] = simd.halves(simd.load8(&bounds.0));
-    let [x, y, z, _] = simd.store4(simd.add4(max, negated_min));
+    let [x, y, z, _] = simd.store4(simd.add4(simd.mul4(max, half), simd.mul4(negated_min, half)));
     let longest = x.max(y).max(z);
     let exponent = (longest.to_bits() >> 23).clamp(1, 253);
     (longest > 0.0).then(|| f32::from_bits((254 - exponent) << 23))

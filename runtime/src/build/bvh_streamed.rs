@@ -76,8 +76,8 @@ impl StreamedBvh {
             depth: 0,
             bounds,
         };
+        let bins = self.bins.get_or_insert_with(|| Box::new(Bins::EMPTY));
         if count <= TASK_PRIMITIVES {
-            let bins = self.bins.get_or_insert_with(|| Box::new(Bins::EMPTY));
             let used = build_subtree(&plan, job, bins);
             tree.nodes.truncate(1 + used);
         } else {

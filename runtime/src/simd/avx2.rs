@@ -15,8 +15,8 @@ impl Avx2 {
     }
 }
 
-// SAFETY, for every block below: `self` proves that the machine has AVX2, and with it all that these instructions need
-// (SSE to AVX2). References to arrays are valid for the bytes that are read or written, and no alignment is assumed.
+// SAFETY, for every block below: `self` proves that the machine has AVX2 (and with it SSE to AVX) and POPCNT, which is all
+// that these instructions need. References to arrays are valid for the bytes that are read or written, and no alignment is assumed.
 impl Lanes for Avx2 {
     type F8 = __m256;
     type F4 = __m128;

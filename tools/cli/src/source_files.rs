@@ -13,10 +13,14 @@ pub fn check(paths: &[PathBuf]) -> Result<(), Failure> {
     })
 }
 
-/// The files of a scene that stands on the command line as one word: a path that is there, or paths joined by plus signs.
+/// The files of a scene that stands on the command line as one word: a path, or two that the last plus sign joins. A file
+/// that is there is one, whatever its name.
 pub fn joined(word: &Path) -> Vec<PathBuf> {
-    match word.to_str() {
-        Some(text) if !word.exists() => text.split('+').map(PathBuf::from).collect(),
+    let parts = word.to_str().and_then(|text| text.rsplit_once('+'));
+    match parts {
+        Some((mesh, cache)) if !word.exists() && !mesh.is_empty() && !cache.is_empty() => {
+            vec![mesh.into(), cache.into()]
+        }
         _ => vec![word.to_owned()],
     }
 }

@@ -77,6 +77,14 @@ pub enum MeasureError {
         /// All there are.
         known: String,
     },
+    /// A builder that follows an animation stands alone.
+    #[error("builder {name:?} is compared from frame to frame with another of {kind} trees; choose one of these, too")]
+    NoReference {
+        /// Name given.
+        name: String,
+        /// `bvh` or `kd`.
+        kind: &'static str,
+    },
     /// No tree can be built over the triangles' boxes.
     #[error("{scene}: {source}")]
     Boxes {

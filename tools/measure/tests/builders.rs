@@ -229,7 +229,7 @@ fn settings_out_of_range_are_refused() {
                 builders: Vec::new(),
                 ..small()
             },
-            "number of builders that need no animation is 0",
+            "number of builders is 0",
         ),
         (
             BuildersSettings {

@@ -110,6 +110,31 @@ fn settings_that_make_no_sense_still_end_in_a_valid_tree() {
     }
 }
 
+/// Sides of finite boxes may overflow, and with them what is compared.
+#[test]
+fn one_box_that_is_as_large_as_can_be_does_not_bring_all_together() {
+    for (half, size) in [(2e38, 200), (f32::MAX, 6), (f32::MAX, 9000)] {
+        for flat in [false, true] {
+            let mut boxes = (FAMILIES[0].1)(size, 3);
+            let mut huge = Aabb {
+                min: [-half; 3],
+                max: [half; 3],
+            };
+            if flat {
+                (huge.min[1], huge.max[1]) = (0.0, 0.0);
+            }
+            boxes.push(huge);
+            let tree = build(&boxes, BinCount::ACCURATE, SimdLevel::detect(), &SETTINGS);
+            assert_eq!(tree.validate(&boxes), Ok(()));
+            assert!(
+                tree.nodes.len() > size,
+                "{half} {size} {flat}: {} nodes",
+                tree.nodes.len()
+            );
+        }
+    }
+}
+
 /// Half of the area, in f64.
 fn half_area(boxes: impl Iterator<Item = Aabb>) -> f64 {
     boxes.fold(Aabb::EMPTY, Aabb::union).surface_area() / 2.0

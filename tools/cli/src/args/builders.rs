@@ -17,8 +17,8 @@ pub struct BuildersArgs {
     /// Folder for builders.html (tables and plots) and builders.json; made if missing [default: no files]
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
-    /// Builder to measure; may be given again, the first of each kind of tree is what the others are compared with
-    /// [default: all]
+    /// Builder to measure; may be given again, the first of each kind of tree is what the others are compared with;
+    /// kd-tracked and kd-tracked-paper follow animations and say nothing of other scenes [default: all]
     #[arg(long = "builder", value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(builder_names()))]
     pub builders: Vec<String>,
     /// Thread counts of the parallel builders, such as 1,2,8; each 1 to 1024 [default: 1, 2, 4 and so on up to what
@@ -41,7 +41,7 @@ pub struct BuildersArgs {
     /// Random rays, 1 or more; of scenes of more than a million triangles fewer
     #[arg(long, value_name = "N", default_value_t = 65_536, value_parser = clap::value_parser!(u32).range(1..))]
     pub random_rays: u32,
-    /// Most frames of an animation for which kd-trees are built one after the other, 1 to 100000
+    /// Most frames of an animation for which trees are built one after the other, 1 to 100000
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = |text: &str| values::count(text, 100_000))]
     pub animation_frames: usize,
     /// Seed of generated scenes, random order and random rays, any whole number from 0

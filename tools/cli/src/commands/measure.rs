@@ -142,6 +142,8 @@ fn builders(args: &BuildersArgs, context: &Context) -> Result<Answer, Failure> {
     }
     if !args.thread_counts.is_empty() {
         settings.threads = args.thread_counts.iter().copied().map(NonZeroUsize::get).collect();
+        settings.threads.sort_unstable();
+        settings.threads.dedup();
     }
     let mut measured: Option<BuildersReport> = None;
     let mut measure = |scene: &BuilderScene, path: &Path| {
@@ -215,9 +217,10 @@ fn write(
 fn failure(source: &Path, error: MeasureError) -> Failure {
     let code = match &error {
         MeasureError::Bake(error) => return Failure::bake(source, error),
-        MeasureError::Setting { .. } | MeasureError::TooManyTriangles { .. } | MeasureError::UnknownBuilder { .. } => {
-            ExitCode::CommandLine
-        }
+        MeasureError::Setting { .. }
+        | MeasureError::TooManyTriangles { .. }
+        | MeasureError::UnknownBuilder { .. }
+        | MeasureError::NoReference { .. } => ExitCode::CommandLine,
         MeasureError::NoClip { .. } | MeasureError::Boxes { .. } => ExitCode::InvalidInput,
         MeasureError::WrongHit(_) | MeasureError::WrongTreeHit(_) => ExitCode::VerificationFailed,
         _ => ExitCode::Internal,

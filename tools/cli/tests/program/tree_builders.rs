@@ -81,7 +81,7 @@ fn only_chosen_builders_are_measured() {
 fn what_cannot_be_measured_is_refused_before_work() {
     let folder = folder();
     door(folder.path());
-    let cases: [(&[&str], i32, &str); 8] = [
+    let cases: [(&[&str], i32, &str); 11] = [
         (&[], 1, "required arguments"),
         (
             &["--generated", "flat=3"],
@@ -92,7 +92,14 @@ fn what_cannot_be_measured_is_refused_before_work() {
         (&["--generated", "regular=100000001"], 1, "TRIANGLES 1 to 100000000"),
         (&["door.gltf", "--builder", "octree"], 1, "possible values: bvh-sweep"),
         (&["door.gltf", "--seconds=-1"], 1, "expected a number from 0 to 1000000"),
+        (
+            &["door.gltf", "--builder", "kd-tracked", "--builder", "bvh-sweep"],
+            1,
+            "another of kd trees",
+        ),
         (&["none.gltf"], 2, "none.gltf: cannot read"),
+        (&["+none.pc2"], 2, "+none.pc2: cannot read"),
+        (&["a+b/none.obj+none.pc2"], 2, "a+b/none.obj: cannot read"),
         (&["door.gltf+none.pc2"], 2, "none.pc2: cannot read"),
     ];
     let before = files(folder.path());

@@ -73,7 +73,19 @@ impl BuildersSettings {
                 known: known.join(", "),
             });
         }
-        at_least_one("number of builders that need no animation", self.chosen().len() as u64)?;
+        let chosen = self.chosen();
+        for follower in followers()
+            .iter()
+            .filter(|one| self.builders.iter().any(|name| name == one.name))
+        {
+            if !chosen.iter().any(|builder| builder.kind == follower.kind) {
+                return Err(MeasureError::NoReference {
+                    name: follower.name.to_owned(),
+                    kind: follower.kind.name(),
+                });
+            }
+        }
+        at_least_one("number of builders", chosen.len() as u64)?;
         at_least_one("number of thread counts", self.threads.len() as u64)?;
         for threads in &self.threads {
             MeasureError::check_setting("threads", *threads as u64, 1, THREAD_LIMIT as u64, "1 to 1024")?;
