@@ -35,7 +35,7 @@ fn a_mesh_and_its_vertex_cache_are_one_scene() {
     let shown = &run.json()["scenes"];
     assert_eq!(shown.as_array().map(Vec::len), Some(1), "{shown}");
     assert_eq!(shown[0]["sources"].as_array().map(Vec::len), Some(2), "{shown}");
-    // The pole, and the cloth: so few triangles that a hierarchy in every frame costs less than clusters.
+    // The stone, and the cloth: so few triangles that a hierarchy in every frame costs less than clusters.
     assert_eq!(shown[0]["clusters"].as_u64(), Some(2), "{shown}");
     assert!(
         shown[0]["verify"]["hits"].as_u64().is_some_and(|hits| hits > 1000),
