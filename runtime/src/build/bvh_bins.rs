@@ -47,7 +47,7 @@ const MOST_BINS: usize = 128;
 /// Nodes with fewer primitives use one set of bins: merging would take longer than waiting.
 const PAIRED_MIN: usize = 256;
 
-/// Boxes of the primitives in each bin, per axis; the bits of lane 7 are how many they are.
+/// Boxes of the primitives in each bin, per axis, and how many they are.
 #[derive(Clone, Debug)]
 pub(super) struct Bins {
     /// In large nodes every other primitive goes to a second set, so that neighbours in the list, which are most often
@@ -89,11 +89,11 @@ impl Bins {
         }
         for axis in 0..3 {
             for bin in 0..map.count {
-                let count = self.count(axis, bin) + self.boxes[1][axis][bin].0[7].to_bits();
+                let count = self.count(axis, bin) + self.boxes[1][axis][bin].count();
                 let other = simd.load8(&self.boxes[1][axis][bin].0);
-                let own = &mut self.boxes[0][axis][bin].0;
-                simd.store8(simd.max8(simd.load8(own), other), own);
-                own[7] = f32::from_bits(count);
+                let own = &mut self.boxes[0][axis][bin];
+                simd.store8(simd.max8(simd.load8(&own.0), other), &mut own.0);
+                own.set_count(count);
             }
         }
     }
@@ -123,7 +123,7 @@ impl Bins {
 
     #[inline(always)]
     fn count(&self, axis: usize, bin: usize) -> u32 {
-        self.boxes[0][axis][bin].0[7].to_bits()
+        self.boxes[0][axis][bin].count()
     }
 
     /// The border at which the sum of both sides' half areas times their numbers is least, if it is below `limit`; of

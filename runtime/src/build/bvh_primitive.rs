@@ -1,8 +1,8 @@
 use crate::simd::{Lanes, Portable};
 use restpose_formats::geom::Aabb;
 
-/// Keeps the lane of an id away from subnormal numbers, on which arithmetic takes a hundred times as long.
-const ID_MASK: u32 = 1 << 30;
+/// Keeps lanes that hold integers away from subnormal numbers, on which arithmetic takes a hundred times as long.
+const INTEGER_MASK: u32 = 1 << 30;
 
 /// A box and what it is of, in one AVX register or two of SSE.
 ///
@@ -20,19 +20,40 @@ impl BoxLanes {
     /// The neutral element of [`BoxLanes::union`].
     pub(super) const EMPTY: Self = {
         let mut lanes = [f32::NEG_INFINITY; 8];
-        lanes[7] = 0.0;
+        lanes[7] = f32::from_bits(INTEGER_MASK);
         Self(lanes)
     };
 
     #[inline(always)]
     pub(super) fn new(bounds: &Aabb, id: u32) -> Self {
         let Aabb { min: a, max: b } = bounds;
-        Self([-a[0], -a[1], -a[2], f32::from_bits(id ^ ID_MASK), b[0], b[1], b[2], 0.0])
+        Self([
+            -a[0],
+            -a[1],
+            -a[2],
+            f32::from_bits(id ^ INTEGER_MASK),
+            b[0],
+            b[1],
+            b[2],
+            0.0,
+        ])
     }
 
     #[inline(always)]
     pub(super) fn id(&self) -> u32 {
-        self.0[3].to_bits() ^ ID_MASK
+        self.0[3].to_bits() ^ INTEGER_MASK
+    }
+
+    /// How many boxes were counted into this union, which began as [`BoxLanes::EMPTY`]: in the bits of lane 7.
+    #[inline(always)]
+    pub(super) fn count(&self) -> u32 {
+        self.0[7].to_bits().wrapping_sub(INTEGER_MASK)
+    }
+
+    /// Sets what [`BoxLanes::count`] says.
+    #[inline(always)]
+    pub(super) fn set_count(&mut self, count: u32) {
+        self.0[7] = f32::from_bits(count.wrapping_add(INTEGER_MASK));
     }
 
     #[inline(always)]
