@@ -8,10 +8,11 @@ const INTEGER_MASK: u32 = 1 << 30;
 ///
 /// ```text
 /// lane   0      1      2      3    4      5      6      7
-///       −min.x −min.y −min.z  id   max.x  max.y  max.z  unused
+///       −min.x −min.y −min.z  id   max.x  max.y  max.z  count
 /// ```
 ///
-/// With the lower side negated a union is one lane-wise maximum. Lanes 3 and 7 of a union mean nothing.
+/// With the lower side negated a union is one lane-wise maximum. Of unions lane 3 means nothing, and lane 7 only in bins,
+/// which count there.
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BoxLanes(pub [f32; 8]);
