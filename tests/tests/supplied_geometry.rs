@@ -142,6 +142,29 @@ fn what_does_not_change_stays_and_what_changes_does_not() {
 }
 
 #[test]
+fn geometry_moves_with_its_transform_alone() {
+    let mut random = fastrand::Rng::with_seed(8);
+    let soup = soup(&mut random, 300, 1.0, 0.2);
+    let mut scene = Scene::new();
+    let rubble = scene.add_geometry();
+    scene.set_geometry(rubble, &soup.0, &soup.1).unwrap();
+    for x in [0.0, 40.0, -3.0] {
+        let transform = Affine::from_translation([x, 0.0, 0.0]);
+        scene.set_transform(rubble, transform).unwrap();
+        let frame = scene.commit();
+        let center = frame.bounds().center()[0];
+        assert!(
+            (center - x).abs() < 1.0,
+            "the box of what lies within 1.2 of {x} is about {center}"
+        );
+        let oracle = Oracle::new(&frame, &[rubble]);
+        let rays = aimed(&mut random, &soup, transform, 500);
+        let hits = assert_rays_equal(&format!("moved to {x}"), &frame, &oracle, rays);
+        assert!(hits > 200, "{hits}");
+    }
+}
+
+#[test]
 fn a_hit_tells_the_triangle_and_the_point_before_the_transform() {
     let mut scene = Scene::new();
     let wall = scene.add_geometry();
