@@ -12,6 +12,7 @@ mod part;
 mod reference_box;
 mod skeleton;
 mod vertex;
+mod wide_node;
 
 pub use cache::{CacheRow, KeyRow, KeyVertexRow, SegmentRow, TrackRow};
 pub use clip::{ChannelRow, ClipRow, Interpolation, Path, SampleRow};
@@ -23,6 +24,7 @@ pub use part::{MotionClass, PartRow, PrimitiveRow};
 pub use reference_box::{ReferenceBoxRow, box_steps};
 pub use skeleton::{BoneRow, Local, NodeRow, ROOT_BONE};
 pub use vertex::{InfluenceRow, TriangleRow, VertexRow, WEIGHT_STEP};
+pub use wide_node::{MAX_WIDE_DEPTH, WideChild, WideNodeRow};
 
 /// Marks an index that points nowhere.
 pub const NONE: u32 = u32::MAX;
