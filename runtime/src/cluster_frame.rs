@@ -478,13 +478,13 @@ impl SlabRay {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LatticeRay {
     /// `t` per lattice step.
-    rate: [f32; 3],
+    pub rate: [f32; 3],
     /// `t` of the lattice's zero, widened for near planes.
-    near: [f32; 3],
+    pub near: [f32; 3],
     /// The same for far planes.
-    far: [f32; 3],
+    pub far: [f32; 3],
     /// Whether the ray runs with the axis.
-    forward: [bool; 3],
+    pub forward: [bool; 3],
 }
 
 impl LatticeRay {

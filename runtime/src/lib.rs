@@ -58,6 +58,11 @@ mod trace;
 pub mod triangle;
 mod vertex;
 mod vertex_memo;
+#[cfg_attr(
+    not(test),
+    expect(dead_code, unused_imports, reason = "scenes do not trace wide trees yet")
+)]
+mod wide;
 
 pub use asset::Asset;
 pub use cluster_frame::invert_frame;
