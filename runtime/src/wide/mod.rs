@@ -15,7 +15,6 @@ mod stack;
 mod tests;
 mod walk;
 
-pub(crate) use boxes::WideBoxes;
 pub(crate) use collapse::collapse;
 pub(crate) use node::{WideNode, append_rows};
 pub(crate) use ray::WideRay;

@@ -25,7 +25,7 @@ impl WideNode {
     };
 
     /// The box of one place.
-    #[inline]
+    #[cfg(test)]
     pub(crate) fn bounds(&self, place: usize) -> Aabb {
         Aabb {
             min: std::array::from_fn(|k| self.min[k][place]),
