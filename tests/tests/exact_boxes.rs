@@ -110,7 +110,7 @@ fn rounding_limit(model: &ModelView, cluster: &ClusterRow, palette: &[Affine], m
     for (bone, lever) in model.cluster_bones[rows.clone()].iter().zip(&model.levers[rows]) {
         let length = |x: [f32; 3]| x.iter().map(|x| f64::from(x.abs())).sum::<f64>();
         let map = &palette[bone.bone as usize];
-        let reach = length(bone.extent) + 2.0 * length(lever.pivot) + morphed;
+        let reach = length(bone.extent()) + 2.0 * length(lever.pivot) + morphed;
         let offset = translation(map).norm() + translation(own).norm();
         sum += (inverse * linear(map).norm() + 1.0) * reach + inverse * offset;
     }
