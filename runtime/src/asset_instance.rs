@@ -134,7 +134,9 @@ impl AssetInstance {
         };
         let transform = motion.transform_at(&self.state, time);
         // How many rays come at the same time is not known; few do.
-        prepared.prepare(self.asset(), transform, Posing::Recomputed, |_, out| motion.pose_at(time, out));
+        prepared.prepare(self.asset(), transform, Posing::Recomputed, |_, out| {
+            motion.pose_at(time, out)
+        });
     }
 
     /// Its state at a time from 0 to 1.

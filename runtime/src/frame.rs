@@ -75,7 +75,9 @@ impl Frame<'_> {
     /// When the slices differ in length.
     pub fn closest_hits_at(&self, rays: &[Ray], times: &[f32], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), times.len(), "one time per ray");
-        self.batch(rays.len(), hits, |at, context| self.closest_at(&rays[at], times[at], context));
+        self.batch(rays.len(), hits, |at, context| {
+            self.closest_at(&rays[at], times[at], context)
+        });
     }
 
     fn closest_at(&self, ray: &Ray, time: f32, context: &mut TraceContext) -> Option<Hit> {
@@ -113,12 +115,7 @@ impl Frame<'_> {
         });
     }
 
-    fn batch<T: Send>(
-        &self,
-        rays: usize,
-        results: &mut [T],
-        one: impl Fn(usize, &mut TraceContext) -> T + Sync,
-    ) {
+    fn batch<T: Send>(&self, rays: usize, results: &mut [T], one: impl Fn(usize, &mut TraceContext) -> T + Sync) {
         assert_eq!(rays, results.len(), "one result per ray");
         let run = |first: usize, results: &mut [T]| {
             TraceContext::with(|context| {

@@ -63,9 +63,7 @@ impl Instance {
                 let asset = instance.asset();
                 ((triangle as usize) < asset.model().triangles.len()).then(|| {
                     let cache = asset.cache_of_triangle(triangle);
-                    instance
-                        .prepared()
-                        .recomputed_triangle(asset.model(), cache, triangle)
+                    instance.prepared().recomputed_triangle(asset.model(), cache, triangle)
                 })
             }
             Self::Geometry(instance) => {

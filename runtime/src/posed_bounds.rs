@@ -98,14 +98,17 @@ impl Hull {
         for k in 0..4 {
             let middle = ((x[k] * rest.center[0] + y[k] * rest.center[1]) + z[k] * rest.center[2]) + offset[k];
             let spread = (x[k].abs() * half[0] + y[k].abs() * half[1]) + z[k].abs() * half[2];
-            let entering =
-                ((x[k].abs() * reach[0] + y[k].abs() * reach[1]) + z[k].abs() * reach[2]) + offset[k].abs();
+            let entering = ((x[k].abs() * reach[0] + y[k].abs() * reach[1]) + z[k].abs() * reach[2]) + offset[k].abs();
             let spread = spread + (error * entering + f32::MIN_POSITIVE);
             let (min, max) = (middle - spread, middle + spread);
             self.min[k] = if min < self.min[k] { min } else { self.min[k] };
             self.max[k] = if max > self.max[k] { max } else { self.max[k] };
             // Not a NaN that is lost: one stays.
-            self.reach[k] = if entering <= self.reach[k] { self.reach[k] } else { entering };
+            self.reach[k] = if entering <= self.reach[k] {
+                self.reach[k]
+            } else {
+                entering
+            };
         }
     }
 
@@ -189,7 +192,13 @@ pub(crate) fn posed_bounds(asset: &Asset, world_from_asset: &Affine, pose: Bound
             }
             let reach = hull.reach.map(f64::from);
             let rest_reach: f64 = rest_reach.iter().map(|x| f64::from(*x)).sum();
-            Some(in_world(asset, world_from_asset, &bounds, [reach[0], reach[1], reach[2]], rest_reach))
+            Some(in_world(
+                asset,
+                world_from_asset,
+                &bounds,
+                [reach[0], reach[1], reach[2]],
+                rest_reach,
+            ))
         }
     }
 }
@@ -201,7 +210,10 @@ pub(crate) fn posed_bounds(asset: &Asset, world_from_asset: &Affine, pose: Bound
 /// which [`IMAGE_ERROR`] and `in_world` leave room for.
 pub(crate) fn motion_bounds(asset: &Asset, begin: &Affine, motion: &Motion) -> Aabb {
     let transforms = [begin, motion.end.transform()];
-    let poses = motion.poses().iter().flat_map(|pose| transforms.map(|transform| (transform, pose)));
+    let poses = motion
+        .poses()
+        .iter()
+        .flat_map(|pose| transforms.map(|transform| (transform, pose)));
     poses.fold(Aabb::EMPTY, |bounds, (transform, pose)| {
         let own = posed_bounds(asset, transform, BoundedPose::Given(pose));
         bounds.union(own.unwrap_or(EVERYWHERE))

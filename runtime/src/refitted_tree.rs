@@ -57,7 +57,9 @@ impl RefittedTree {
         first: &[bool],
         pose: impl Fn(u32) -> [[f32; 3]; 3],
     ) -> &[Aabb] {
-        &self.made(|made| refit_kd(nodes, references, first, pose, &mut made.boxes)).boxes
+        &self
+            .made(|made| refit_kd(nodes, references, first, pose, &mut made.boxes))
+            .boxes
     }
 
     /// A cluster's wide tree in world space.

@@ -250,10 +250,14 @@ impl Scene {
         palette: &[Affine],
         morph_weights: &[f32],
     ) -> Result<(), PoseError> {
-        self.change_pose(instance, |asset| check_palette(asset.model(), palette, morph_weights), |pose| {
-            pose.palette.copy_from_slice(palette);
-            pose.morph_weights.copy_from_slice(morph_weights);
-        })
+        self.change_pose(
+            instance,
+            |asset| check_palette(asset.model(), palette, morph_weights),
+            |pose| {
+                pose.palette.copy_from_slice(palette);
+                pose.morph_weights.copy_from_slice(morph_weights);
+            },
+        )
     }
 
     /// Sets the frames of an instance's vertex caches, one per cache row of the asset: keys count from 0, fractions stand
@@ -262,9 +266,13 @@ impl Scene {
     /// # Errors
     /// One of [`PoseError`]; the instance then keeps its pose.
     pub fn set_cache_frames(&mut self, instance: InstanceId, frames: &[f64]) -> Result<(), PoseError> {
-        self.change_pose(instance, |asset| check_cache_frames(asset.model(), frames), |pose| {
-            pose.cache_frames.copy_from_slice(frames);
-        })
+        self.change_pose(
+            instance,
+            |asset| check_cache_frames(asset.model(), frames),
+            |pose| {
+                pose.cache_frames.copy_from_slice(frames);
+            },
+        )
     }
 
     /// Changes the rest of a pose no more than `change` does.
@@ -353,8 +361,12 @@ impl Scene {
 
     /// An instance of this scene.
     pub(crate) fn instance(&self, id: InstanceId) -> Result<&Instance, PoseError> {
-        let slot = self.slots.get(id.index()).filter(|slot| slot.generation == id.generation);
-        slot.and_then(|slot| slot.instance.as_ref()).ok_or_else(|| self.unknown(id))
+        let slot = self
+            .slots
+            .get(id.index())
+            .filter(|slot| slot.generation == id.generation);
+        slot.and_then(|slot| slot.instance.as_ref())
+            .ok_or_else(|| self.unknown(id))
     }
 
     fn unknown(&self, id: InstanceId) -> PoseError {
@@ -366,7 +378,10 @@ impl Scene {
 
     fn instance_mut(&mut self, id: InstanceId) -> Result<&mut Instance, PoseError> {
         let unknown = self.unknown(id);
-        let slot = self.slots.get_mut(id.index()).filter(|slot| slot.generation == id.generation);
+        let slot = self
+            .slots
+            .get_mut(id.index())
+            .filter(|slot| slot.generation == id.generation);
         slot.and_then(|slot| slot.instance.as_mut()).ok_or(unknown)
     }
 

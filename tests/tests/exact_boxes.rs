@@ -45,8 +45,8 @@ fn compare(name: &str, animation: &Animation, asset: &Arc<Asset>, source: PoseSo
         let mut scene = Scene::new();
         let instance = scene.add(asset);
         pose.set(&mut scene, instance).unwrap();
-        let palette = scene.palette(instance).unwrap().to_vec();
-        let morph_weights = scene.morph_weights(instance).unwrap().to_vec();
+        let palette = scene.pose(instance).unwrap().palette;
+        let morph_weights = scene.pose(instance).unwrap().morph_weights;
         let frame = scene.commit();
         let rows = frame.clusters().filter(|cluster| cluster.has_inverse);
         let excess: Vec<(u32, [f64; 3])> = rows

@@ -27,11 +27,11 @@ use crate::{
     vertex::pose_vertex,
     vertex_memo::VertexMemo,
 };
+use kept::Kept;
 use restpose_formats::{
     ModelView,
     rows::{ClusterRow, NONE},
 };
-use kept::Kept;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// An instance in its pose.
@@ -78,7 +78,8 @@ impl Prepared {
         self.morph_extent = morph_extent(model, &self.pose.morph_weights);
         let transform = Map64::new(&transform);
         self.posed.clear();
-        self.posed.extend(self.pose.palette.iter().map(|x| posed_map(&transform, x)));
+        self.posed
+            .extend(self.pose.palette.iter().map(|x| posed_map(&transform, x)));
         self.caches.resize_with(model.caches.len(), CacheState::default);
         for (index, cache) in model.caches.iter().enumerate() {
             let world = [transform, Map64::new(&self.pose.palette[cache.bone as usize])];

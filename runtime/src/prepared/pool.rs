@@ -27,9 +27,6 @@ impl PreparedPool {
     }
 
     pub(crate) fn put(&self, prepared: Box<Prepared>) {
-        self.spare
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .push(prepared);
+        self.spare.lock().unwrap_or_else(PoisonError::into_inner).push(prepared);
     }
 }

@@ -190,7 +190,9 @@ fn enter_cluster<const ANY: bool>(
     counters: &mut impl Count,
 ) -> bool {
     counters.cluster();
-    let Actor { id, asset, prepared, .. } = *actor;
+    let Actor {
+        id, asset, prepared, ..
+    } = *actor;
     let (state, posed) = prepared.cluster(asset, slot, &mut context.motions);
     let model = asset.model();
     let row = &model.clusters[state.row as usize];
@@ -275,7 +277,15 @@ fn enter_cluster<const ANY: bool>(
                         lattice.meets(bounds, (start, traveller.limit)) && test(*triangle, traveller, counters)
                     })
             };
-            walk(nodes, &slab, range, traveller, &mut context.binary, counters, &mut visit)
+            walk(
+                nodes,
+                &slab,
+                range,
+                traveller,
+                &mut context.binary,
+                counters,
+                &mut visit,
+            )
         }
         (Way::Local(_) | Way::Refitted, TreeKind::Kd) => {
             let nodes = &model.kd_nodes[row.node_first as usize..][..row.node_count as usize];
@@ -294,7 +304,15 @@ fn enter_cluster<const ANY: bool>(
                     traveller.test(&corners, id, *triangle) && ANY
                 })
             };
-            walk_hierarchy(&tree, &slab, start, traveller, &mut context.binary, counters, &mut visit)
+            walk_hierarchy(
+                &tree,
+                &slab,
+                start,
+                traveller,
+                &mut context.binary,
+                counters,
+                &mut visit,
+            )
         }
     }
 }
