@@ -169,7 +169,7 @@ fn margins_are_folded_in_outwards() {
         let wide = WideRay::new(&slab);
         for k in 0..3 {
             let [o, m] = [slab.origin[k], slab.margin[k]].map(f64::from);
-            let [above, below] = if wide.forward[k] {
+            let [above, below] = if wide.near_row[k] == 0 {
                 [wide.near[k], wide.far[k]]
             } else {
                 [wide.far[k], wide.near[k]]
