@@ -58,6 +58,8 @@ mod trace;
 pub mod triangle;
 mod vertex;
 mod vertex_memo;
+#[cfg_attr(not(test), expect(dead_code, reason = "instances are not posed whole yet"))]
+mod whole_pose;
 #[cfg_attr(
     not(test),
     expect(dead_code, unused_imports, reason = "scenes do not trace wide trees yet")
