@@ -5,6 +5,7 @@ use crate::{
     posed_bounds::{BoundedPose, motion_bounds, posed_bounds},
     prepared::{Prepared, PreparedPool},
 };
+use restpose_formats::ModelView;
 use std::sync::{Arc, OnceLock};
 
 /// An instance of an asset: what the caller set, and what rays have needed of it since.
@@ -12,6 +13,8 @@ use std::sync::{Arc, OnceLock};
 pub(crate) struct AssetInstance {
     pool: Arc<PreparedPool>,
     pub state: InstanceState,
+    /// Memory for a pose of the caller's, from when it had one.
+    spare_pose: Option<Arc<Pose>>,
     pub posing: Posing,
     /// Where it goes during the time interval, if anywhere.
     motion: Option<Box<Motion>>,
@@ -27,6 +30,7 @@ impl AssetInstance {
         Self {
             pool,
             state: InstanceState::NEW,
+            spare_pose: None,
             posing: Posing::Chosen,
             motion: None,
             bounds: Aabb::EMPTY,
@@ -36,6 +40,27 @@ impl AssetInstance {
 
     pub(crate) fn asset(&self) -> &Arc<Asset> {
         self.pool.asset()
+    }
+
+    /// Gives it another pose.
+    pub(crate) fn set_pose(&mut self, pose: PoseSource) {
+        if let PoseSource::Given(spare) = std::mem::replace(&mut self.state.pose, pose) {
+            self.spare_pose = Some(spare);
+        }
+    }
+
+    /// Its pose as one that can be changed: shared no longer, evaluated if it was not.
+    pub(crate) fn given_pose(&mut self, model: &ModelView, evaluator: &mut PoseEvaluator) -> &mut Pose {
+        let pose = &mut self.state.pose;
+        if !matches!(pose, PoseSource::Given(_)) {
+            let mut given = self.spare_pose.take().unwrap_or_default();
+            pose.evaluate(model, evaluator, Arc::make_mut(&mut given));
+            *pose = PoseSource::Given(given);
+        }
+        match pose {
+            PoseSource::Given(pose) => Arc::make_mut(pose),
+            PoseSource::Default | PoseSource::Clip { .. } => unreachable!("replaced above"),
+        }
     }
 
     /// Contains every posed vertex that some triangle with area uses.

@@ -60,19 +60,6 @@ impl PoseSource {
             Self::Given(pose) => out.clone_from(pose),
         }
     }
-
-    /// The pose as one that can be changed: shared no longer, evaluated if it was not.
-    pub(crate) fn given(&mut self, model: &ModelView, evaluator: &mut PoseEvaluator) -> &mut Pose {
-        if !matches!(self, Self::Given(_)) {
-            let mut pose = Pose::default();
-            self.evaluate(model, evaluator, &mut pose);
-            *self = Self::Given(Arc::new(pose));
-        }
-        match self {
-            Self::Given(pose) => Arc::make_mut(pose),
-            Self::Default | Self::Clip { .. } => unreachable!("replaced above"),
-        }
-    }
 }
 
 pub(crate) fn check_clip(model: &ModelView, clip: usize, seconds: f32) -> Result<(), PoseError> {

@@ -222,7 +222,7 @@ impl Scene {
         check_clip(state.asset().model(), clip, seconds)?;
         // A clip that exists has a number of 32 bits.
         let clip = clip as u32;
-        state.state.pose = PoseSource::Clip { clip, seconds };
+        state.set_pose(PoseSource::Clip { clip, seconds });
         self.mark(instance.index);
         Ok(())
     }
@@ -232,7 +232,7 @@ impl Scene {
     /// # Errors
     /// [`PoseError::UnknownInstance`].
     pub fn set_default_pose(&mut self, instance: InstanceId) -> Result<(), PoseError> {
-        self.asset_instance_mut(instance)?.state.pose = PoseSource::Default;
+        self.asset_instance_mut(instance)?.set_pose(PoseSource::Default);
         self.mark(instance.index);
         Ok(())
     }
@@ -286,7 +286,7 @@ impl Scene {
         let changed = self.asset_instance_mut(id).and_then(|instance| {
             let asset = Arc::clone(instance.asset());
             check(&asset)?;
-            change(instance.state.pose.given(asset.model(), &mut evaluator));
+            change(instance.given_pose(asset.model(), &mut evaluator));
             Ok(())
         });
         self.evaluator = evaluator;
@@ -311,7 +311,8 @@ impl Scene {
     pub fn set_state(&mut self, instance: InstanceId, state: &InstanceState) -> Result<(), PoseError> {
         let target = self.asset_instance_mut(instance)?;
         state.check(target.asset().model())?;
-        target.state.clone_from(state);
+        target.state.transform = state.transform;
+        target.set_pose(state.pose.clone());
         self.mark(instance.index);
         Ok(())
     }

@@ -16,7 +16,7 @@ use restpose_formats::{
 type Columns = [[f64; 3]; 4];
 
 /// A pose of an asset.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Pose {
     /// Asset space from rest space, one map per bone row.
     pub palette: Vec<Affine>,
@@ -24,6 +24,21 @@ pub struct Pose {
     pub morph_weights: Vec<f32>,
     /// One frame per cache row: keys count from 0, fractions stand between them, beyond the ends the first or last counts.
     pub cache_frames: Vec<f64>,
+}
+
+impl Clone for Pose {
+    fn clone(&self) -> Self {
+        let mut out = Self::default();
+        out.clone_from(self);
+        out
+    }
+
+    /// Keeps its memory, which the derived one would not.
+    fn clone_from(&mut self, source: &Self) {
+        self.palette.clone_from(&source.palette);
+        self.morph_weights.clone_from(&source.morph_weights);
+        self.cache_frames.clone_from(&source.cache_frames);
+    }
 }
 
 /// Evaluates clips; owns the scratch that this takes, so that poses allocate nothing once it has grown.
