@@ -17,7 +17,7 @@ const TO_THE_END: BvhSettings = BvhSettings {
 /// Complexity: that of [`SweepBvh`], and O(n). Memory beside the tree: that of the sweep, and 400 bytes per box.
 ///
 /// Source: Günther, *Ray Tracing of Dynamic Scenes*, 2014, §4.1.2; Ylitie, Karras, Laine, *Efficient Incoherent Ray
-/// Traversal on GPUs Through Compressed Wide BVHs*, 2017, §3.1.
+/// Traversal on GPUs Through Compressed Wide BVHs*, 2017 (its SAH-optimal conversion of a binary BVH).
 #[derive(Debug, Default)]
 pub struct WideBuilder {
     sweep: SweepBvh,

@@ -32,7 +32,7 @@ impl Cost {
 ///
 /// Guarantee: no wide hierarchy that keeps some of the binary nodes and dissolves the others costs less, but for rounding.
 ///
-/// Source: Ylitie, Karras, Laine, *Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*, 2017, §3.1.
+/// Source: Ylitie, Karras, Laine, *Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*, 2017 (its SAH-optimal conversion of a binary BVH).
 /// Differs: leaves hold one box.
 #[derive(Debug)]
 pub(super) struct Plan {
