@@ -14,10 +14,10 @@ const TO_THE_END: BvhSettings = BvhSettings {
 ///
 /// Guarantee: as of [`SweepBvh`]; [`WideBvh`] says what the hierarchy is. Ends on any boxes.
 ///
-/// Complexity: that of [`SweepBvh`], and O(n). Memory beside the tree: that of the sweep, and 400 bytes per box.
+/// Complexity: that of [`SweepBvh`], and O(n). Memory beside the tree: that of the sweep, and 320 bytes per box.
 ///
 /// Source: Günther, *Ray Tracing of Dynamic Scenes*, 2014, §4.1.2; Ylitie, Karras, Laine, *Efficient Incoherent Ray
-/// Traversal on GPUs Through Compressed Wide BVHs*, 2017 (its SAH-optimal conversion of a binary BVH).
+/// Traversal on GPUs Through Compressed Wide BVHs*, 2017: the conversion of a binary hierarchy.
 #[derive(Debug, Default)]
 pub struct WideBuilder {
     sweep: SweepBvh,

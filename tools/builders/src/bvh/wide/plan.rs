@@ -32,7 +32,8 @@ impl Cost {
 ///
 /// Guarantee: no wide hierarchy that keeps some of the binary nodes and dissolves the others costs less, but for rounding.
 ///
-/// Source: Ylitie, Karras, Laine, *Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*, 2017 (its SAH-optimal conversion of a binary BVH).
+/// Source: Ylitie, Karras, Laine, *Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*, 2017: the
+/// conversion of a binary hierarchy that is optimal by surface areas.
 /// Differs: leaves hold one box.
 #[derive(Debug)]
 pub(super) struct Plan {
