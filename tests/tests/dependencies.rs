@@ -50,10 +50,15 @@ fn runtime_depends_on_formats_only() {
 }
 
 #[test]
-fn bake_depends_on_formats_and_runtime_only() {
+fn bake_depends_on_formats_runtime_and_builders_only() {
     assert_eq!(
         ours(&built_from("restpose-bake")),
-        ["restpose-bake", "restpose-formats", "restpose-runtime"]
+        [
+            "restpose-bake",
+            "restpose-builders",
+            "restpose-formats",
+            "restpose-runtime"
+        ]
     );
 }
 

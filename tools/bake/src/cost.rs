@@ -1,7 +1,8 @@
 //! What rays and frames are expected to cost: how the baker compares structures before it has traced a ray.
 
+use crate::fuzzy_tree::FuzzyTree;
 use restpose_formats::geom::Aabb;
-use restpose_runtime::build::{KdSettings, KdTree, sah_cost};
+use restpose_runtime::build::{BvhSettings, KdSettings};
 
 /// Fuzzy trees are built with the builder's own constants. A test poses three vertices first, so one could think it worth
 /// more steps than the 1.5 of a tree over posed triangles; but a leaf tests each triangle's own box before.
@@ -12,21 +13,29 @@ pub(crate) fn fuzzy_tree() -> KdSettings {
     KdSettings::default()
 }
 
+/// What wide trees are compared by: a test of eight boxes costs as much as a step through a kd-tree. Not measured yet.
+pub(crate) fn wide_tree() -> BvhSettings {
+    BvhSettings {
+        traversal_cost: 1.0,
+        intersection_cost: KdSettings::default().intersection_cost,
+    }
+}
+
 /// Steps that it takes to bring a ray into a cluster: the top level's share and the ray's transformation.
 const ENTRY_COST: f64 = 8.0;
 
 /// The expected steps of a ray that meets the box around all clusters, mean over the key frames.
 ///
 /// `clusters` are trees with the box of their contents at each key; the chance to enter one is the ratio of surfaces.
-pub(crate) fn expected_cost<'a>(clusters: impl Iterator<Item = (&'a KdTree, &'a [Aabb])> + Clone) -> f64 {
+pub(crate) fn expected_cost<'a>(clusters: impl Iterator<Item = (&'a FuzzyTree, &'a [Aabb])> + Clone) -> f64 {
     let key_count = clusters.clone().map(|(_, bounds)| bounds.len()).max().unwrap_or(0);
     let mut wholes = vec![Aabb::EMPTY; key_count];
     for (key, bounds) in clusters.clone().flat_map(|(_, bounds)| bounds.iter().enumerate()) {
         wholes[key] = wholes[key].union(*bounds);
     }
     let mut cost = 0.0;
-    for (tree, bounds) in clusters.filter(|(tree, _)| !tree.nodes.is_empty()) {
-        let inside = ENTRY_COST + sah_cost(&tree.nodes, &tree.bounds, &fuzzy_tree());
+    for (tree, bounds) in clusters {
+        let inside = ENTRY_COST + tree.cost();
         let shares = bounds.iter().zip(&wholes).map(|(own, whole)| share(own, whole));
         cost += inside * shares.sum::<f64>();
     }

@@ -6,6 +6,7 @@ mod bounds;
 mod caches;
 mod cost;
 mod error;
+mod fuzzy_tree;
 pub mod import;
 mod motion;
 mod pipeline;

@@ -82,7 +82,7 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
     }
 
     progress.stage("build", carried.len() as u64);
-    trees::add_clusters(&mut model, carried.clone(), progress)?;
+    trees::add_clusters(&mut model, carried.clone(), settings.tree, progress)?;
     for (cluster, space) in spaces.iter().enumerate() {
         space.add_rows(&mut model, cluster)?;
     }
@@ -102,6 +102,7 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
     model.meta.source_name = animation.source_name.clone();
     model.meta.options = settings.listed(&animation.import_options);
     model.meta.bounds = settings.bounds;
+    model.meta.tree = settings.tree;
 
     let reasons = classes.into_iter().map(|class| class.reason);
     let parts = part_reports(&model, &carried, reasons.zip(caches));
@@ -115,7 +116,7 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
         random_poses: random_pose_count,
         fuzzy_box_area: parts.iter().map(|part| part.fuzzy_box_area).sum(),
         parts,
-        tree_nodes: model.kd_nodes.len() as u64,
+        tree_nodes: (model.kd_nodes.len() + model.wide_nodes.len()) as u64,
         tree_references: model.references.len() as u64,
         seconds,
     };

@@ -1,5 +1,5 @@
 use crate::{BakeError, DecomposeSettings, PoseSpace};
-use restpose_formats::{Bounds, rows::MotionClass};
+use restpose_formats::{Bounds, TreeKind, rows::MotionClass};
 
 /// Most random poses that a bake takes.
 const MOST_SAMPLES: usize = 100_000;
@@ -33,6 +33,8 @@ pub struct BakeSettings {
     pub bounds: Bounds,
     /// Most envelopes of a cluster, 1 to 1024, where boxes are bounded by envelopes. Default 64.
     pub envelopes: usize,
+    /// What the fuzzy trees are. Default: kd-trees.
+    pub tree: TreeKind,
     /// Classes that the user decides, as part name and class. `static` freezes a part in the pose without any clip,
     /// `rigid` keeps a bone for a part that no clip moves.
     pub class_overrides: Vec<(String, MotionClass)>,
@@ -75,6 +77,7 @@ impl Default for BakeSettings {
             sample_step_seconds: 1.0 / 60.0,
             bounds: Bounds::Envelope,
             envelopes: 64,
+            tree: TreeKind::Kd,
             class_overrides: Vec::new(),
             position_error: None,
             motion: DecomposeSettings::default(),
@@ -160,6 +163,7 @@ impl BakeSettings {
                 add("envelopes", self.envelopes.to_string());
             }
         }
+        add("tree", self.tree.name().to_owned());
         let auto = "2^-16 of the diagonal".to_owned();
         let motion = &self.motion;
         for (name, value) in [

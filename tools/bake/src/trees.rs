@@ -1,58 +1,52 @@
-use crate::{BakeError, Progress, assemble::row_count, cost::fuzzy_tree, motion::Carried};
+use crate::{BakeError, Progress, assemble::row_count, fuzzy_tree::FuzzyTreeBuilder, motion::Carried};
 use rayon::prelude::*;
 use restpose_formats::{
-    Model,
+    Model, TreeKind,
     geom::Aabb,
-    rows::{ClusterBoneRow, ClusterRow, NONE, ReferenceBoxRow},
+    rows::{ClusterBoneRow, ClusterRow, NONE},
 };
-use restpose_runtime::build::{KdBuilder, KdTree};
 
-/// Builds one cluster with its fuzzy kd-tree for every bone that carries triangles, bones ascending.
+/// Builds one cluster with its fuzzy tree for every bone that carries triangles, bones ascending.
 pub(crate) fn add_clusters(
     model: &mut Model,
     mut carried: Vec<Carried>,
+    kind: TreeKind,
     progress: &dyn Progress,
 ) -> Result<(), BakeError> {
     carried.sort_by_key(|carried| (carried.bone, carried.triangle));
     let groups: Vec<&[Carried]> = carried.chunk_by(|a, b| a.bone == b.bone).collect();
-    let trees: Vec<KdTree> = groups
+    let built: Vec<_> = groups
         .par_iter()
-        .map(|group| {
-            let boxes: Vec<Aabb> = group.iter().map(|carried| carried.fuzzy_box).collect();
-            let mut tree = KdTree::default();
-            KdBuilder::new().build(&boxes, &fuzzy_tree(), &mut tree);
-            debug_assert_eq!(tree.validate(&boxes), Ok(()));
-            progress.advance(group.len() as u64);
-            tree
-        })
+        .map_init(
+            || FuzzyTreeBuilder::new(kind),
+            |builder, group| {
+                let boxes: Vec<Aabb> = group.iter().map(|carried| carried.fuzzy_box).collect();
+                let tree = builder.build(&boxes);
+                progress.advance(group.len() as u64);
+                (boxes, tree)
+            },
+        )
         .collect();
-    for (group, tree) in groups.into_iter().zip(trees) {
+    for (group, (boxes, tree)) in groups.into_iter().zip(built) {
         let cluster_bones = cluster_bones(model, group);
-        model.clusters.push(ClusterRow {
+        let mut cluster = ClusterRow {
             bone: group[0].bone,
-            node_first: row_count("tree nodes", model.kd_nodes.len())?,
-            node_count: row_count("tree nodes", tree.nodes.len())?,
-            reference_first: row_count("triangle references", model.references.len())?,
-            reference_count: row_count("triangle references", tree.references.len())?,
+            node_first: 0,
+            node_count: 0,
+            reference_first: 0,
+            reference_count: 0,
             cluster_bone_first: row_count("cluster bones", model.cluster_bones.len())?,
             cluster_bone_count: row_count("cluster bones", cluster_bones.len())?,
             triangle_count: row_count("triangles", group.len())?,
-            bounds_local: tree.bounds,
+            bounds_local: Aabb::EMPTY,
             track: NONE,
             reserved: 0,
-        });
-        model.kd_nodes.extend_from_slice(&tree.nodes);
-        model
-            .references
-            .extend(tree.references.iter().map(|index| group[*index as usize].triangle));
-        let boxes = tree.references.iter();
-        model
-            .reference_boxes
-            .extend(boxes.map(|index| ReferenceBoxRow::around(&group[*index as usize].fuzzy_box, &tree.bounds)));
+        };
+        let triangle = |place: u32| group[place as usize].triangle;
+        tree.add_rows(model, &boxes, triangle, &mut cluster)?;
+        model.clusters.push(cluster);
         model.cluster_bones.extend(cluster_bones);
     }
-    row_count("tree nodes", model.kd_nodes.len())?;
-    row_count("triangle references", model.references.len())?;
     Ok(())
 }
 

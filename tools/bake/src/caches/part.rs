@@ -2,7 +2,7 @@ use super::{
     homes::{shared_points, weld},
     report::{CacheReport, ExpectedFrame},
     rows,
-    segment::{PartKeys, Segment},
+    segment::{PartKeys, Segment, SegmentOutput},
     split::split_in_time,
     structure::{fuzzy_trees, rebuilt_cost},
 };
@@ -71,23 +71,27 @@ fn add_cache(
     let triangles = triangles_with_area(model, part, &mut keys);
     if triangles.is_empty() {
         class.reason = "no triangle has an area in any key".to_owned();
-        rows::add_free(model, cache, &keys.frames, keys.weld.len(), &triangles)?;
+        rows::add_free(model, cache, &keys.frames, keys.weld.len(), &triangles, settings.tree)?;
         let nothing = ExpectedFrame::new(&StructureCost::default(), settings.rays_per_frame);
         return Ok(CacheReport::without_clusters(keys.frames.len(), nothing));
     }
     let budget = settings
         .position_error
         .unwrap_or_else(|| diagonal(&keys) * DEFAULT_POSITION_ERROR);
+    let output = SegmentOutput {
+        position_error: budget,
+        tree: settings.tree,
+    };
     let decompose = DecomposeSettings {
         rigid_tolerance: budget,
         ..settings.motion.clone()
     };
     let last = keys.frames.len() - 1;
-    let whole = Segment::new(&keys, 0..=last, &decompose, budget, progress)?;
+    let whole = Segment::new(&keys, 0..=last, &decompose, output, progress)?;
     let (one_cost, one_bytes) = (whole.cost, whole.byte_count());
     let segments = match class.asked {
         Some(MotionClass::Free) => vec![whole],
-        _ => split_in_time(&keys, whole, &settings.segments, &decompose, budget, progress)?,
+        _ => split_in_time(&keys, whole, &settings.segments, &decompose, output, progress)?,
     };
     let (fuzzy, rebuilt) = (fuzzy_trees(&segments), rebuilt_cost(&keys));
     let costs = StructureCost::new(&fuzzy, rebuilt, triangles.len());
@@ -120,7 +124,7 @@ fn add_cache(
     let (vertex_first, vertex_count) = (model.parts[part].vertex_first as usize, keys.weld.len());
     let mut rest_key = 0;
     if class.class == MotionClass::Free {
-        rows::add_free(model, cache, &keys.frames, vertex_count, &triangles)?;
+        rows::add_free(model, cache, &keys.frames, vertex_count, &triangles, settings.tree)?;
         report.bytes = (vertex_count * (12 * keys.frames.len() + size_of::<KeyVertexRow>())) as u64;
     } else {
         rows::add_coherent(model, cache, &segments, &triangles)?;

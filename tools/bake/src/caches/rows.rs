@@ -1,7 +1,7 @@
 use super::segment::{Segment, SegmentCluster};
 use crate::{BakeError, assemble::row_count};
 use restpose_formats::{
-    Model,
+    Model, TreeKind,
     geom::Aabb,
     rows::{CacheRow, ClusterBoneRow, ClusterRow, KeyRow, KeyVertexRow, NONE, ReferenceBoxRow, SegmentRow, TrackRow},
 };
@@ -62,34 +62,27 @@ fn add_segment(model: &mut Model, cache: usize, segment: &Segment, triangles: &[
             });
         }
         let bones = cluster_bones(segment, cluster, track_first, &stored);
-        let row = ClusterRow {
+        let mut row = ClusterRow {
             bone: model.caches[cache].bone,
-            node_first: row_count("tree nodes", model.kd_nodes.len())?,
-            node_count: row_count("tree nodes", cluster.tree.nodes.len())?,
-            reference_first: row_count("triangle references", model.references.len())?,
-            reference_count: row_count("triangle references", cluster.tree.references.len())?,
+            node_first: 0,
+            node_count: 0,
+            reference_first: 0,
+            reference_count: 0,
             cluster_bone_first: row_count("cluster bones", model.cluster_bones.len())?,
             cluster_bone_count: row_count("cluster bones", bones.len())?,
             triangle_count: row_count("triangles", cluster.triangles.len())?,
-            bounds_local: cluster.tree.bounds,
+            bounds_local: Aabb::EMPTY,
             track: track_first + index,
             reserved: 0,
         };
+        let triangle = |place: u32| triangles[cluster.triangles[place as usize] as usize];
+        cluster.tree.add_rows(model, &cluster.boxes, triangle, &mut row)?;
         model.clusters.push(row);
         model.cluster_bones.extend(bones);
-        model.kd_nodes.extend_from_slice(&cluster.tree.nodes);
-        let boxes = cluster.tree.references.iter();
-        model
-            .reference_boxes
-            .extend(boxes.map(|place| ReferenceBoxRow::around(&cluster.boxes[*place as usize], &cluster.tree.bounds)));
-        let triangle = |place: &u32| triangles[cluster.triangles[*place as usize] as usize];
-        model.references.extend(cluster.tree.references.iter().map(triangle));
     }
     if own_space > 0 {
         model.tracks.push(OWN_SPACE);
     }
-    row_count("tree nodes", model.kd_nodes.len())?;
-    row_count("triangle references", model.references.len())?;
     Ok(())
 }
 
@@ -145,6 +138,7 @@ pub(super) fn add_free<F: AsRef<[[f32; 3]]>>(
     frames: &[F],
     vertex_count: usize,
     triangles: &[u32],
+    tree: TreeKind,
 ) -> Result<(), BakeError> {
     let CacheRow { bone, key_count, .. } = model.caches[cache];
     let track = row_count("tracks", model.tracks.len())?;
@@ -193,7 +187,7 @@ pub(super) fn add_free<F: AsRef<[[f32; 3]]>>(
     let count = row_count("triangle references", triangles.len())?;
     model.clusters.push(ClusterRow {
         bone,
-        node_first: row_count("tree nodes", model.kd_nodes.len())?,
+        node_first: row_count("tree nodes", model.kd_nodes.len() + model.wide_nodes.len())?,
         node_count: 0,
         reference_first: row_count("triangle references", model.references.len())?,
         reference_count: count,
@@ -205,9 +199,11 @@ pub(super) fn add_free<F: AsRef<[[f32; 3]]>>(
         reserved: 0,
     });
     model.references.extend_from_slice(triangles);
-    model
-        .reference_boxes
-        .resize(model.references.len(), ReferenceBoxRow::default());
+    if tree == TreeKind::Kd {
+        model
+            .reference_boxes
+            .resize(model.references.len(), ReferenceBoxRow::default());
+    }
     model.cluster_bones.push(ClusterBoneRow {
         bone: track,
         bounds,

@@ -6,12 +6,12 @@ use super::{
 use crate::{
     BakeError, Progress,
     bounds::FuzzyBox,
-    cost::{expected_cost, fuzzy_tree},
+    cost::expected_cost,
+    fuzzy_tree::{FuzzyTree, FuzzyTreeBuilder},
     motion::keyframed::{DecomposeReport, DecomposeSettings, Decomposition, KeyFrames, TrackKind, decompose_keys},
 };
 use rayon::prelude::*;
-use restpose_formats::geom::Aabb;
-use restpose_runtime::build::{KdBuilder, KdTree};
+use restpose_formats::{TreeKind, geom::Aabb};
 use std::ops::RangeInclusive;
 
 /// 2⁻⁴⁸: rounding of a decoded position in `f64`, relative to the magnitudes that enter it.
@@ -33,6 +33,15 @@ pub(crate) struct PartKeys<'a> {
     pub weld: Vec<u32>,
     /// Per vertex, whether it is stored as it is because another part stores it too.
     pub raw: Vec<bool>,
+}
+
+/// How what a segment holds is written.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SegmentOutput {
+    /// Greatest distance by which a stored position may be off, scene units.
+    pub position_error: f64,
+    /// What its trees are.
+    pub tree: TreeKind,
 }
 
 /// What a segment's clusters, tracks, positions and trees are.
@@ -59,7 +68,7 @@ pub(crate) struct SegmentCluster {
     /// Their fuzzy boxes.
     pub boxes: Vec<Aabb>,
     /// Over these.
-    pub tree: KdTree,
+    pub tree: FuzzyTree,
     /// Around its vertices at each key, in the cache's space.
     pub key_bounds: Vec<Aabb>,
     /// Per vertex of its triangles in order, none twice.
@@ -76,16 +85,16 @@ impl Segment {
         part: &PartKeys,
         keys: RangeInclusive<usize>,
         settings: &DecomposeSettings,
-        budget: f64,
+        output: SegmentOutput,
         progress: &dyn Progress,
     ) -> Result<Self, BakeError> {
-        let mut best = Self::decomposed(part, keys.clone(), settings, budget, progress)?;
+        let mut best = Self::decomposed(part, keys.clone(), settings, output, progress)?;
         while best.clusters.len() > 1 {
             let fewer = DecomposeSettings {
                 max_clusters: (best.clusters.len() / CLUSTER_RATIO).max(1),
                 ..settings.clone()
             };
-            let other = Self::decomposed(part, keys.clone(), &fewer, budget, progress)?;
+            let other = Self::decomposed(part, keys.clone(), &fewer, output, progress)?;
             if other.cost >= best.cost || other.clusters.len() >= best.clusters.len() {
                 break;
             }
@@ -101,7 +110,7 @@ impl Segment {
         part: &PartKeys,
         keys: RangeInclusive<usize>,
         settings: &DecomposeSettings,
-        budget: f64,
+        output: SegmentOutput,
         progress: &dyn Progress,
     ) -> Result<Self, BakeError> {
         let frames = &part.frames[keys.clone()];
@@ -120,11 +129,16 @@ impl Segment {
         let rest_key = keys.start() + rest_key;
         let residual = report.steps.last().map_or(0.0, |step| step.residual);
         let found = (rest_key, residual, report);
-        Self::of_clusters(part, keys, (&kinds, tracks, &cluster_of), budget, found)
+        Self::of_clusters(part, keys, (&kinds, tracks, &cluster_of), output, found)
     }
 
     /// The same clusters over fewer keys: smaller boxes, and trees over these. `keys` count in the whole animation.
-    pub(crate) fn over(&self, part: &PartKeys, keys: RangeInclusive<usize>, budget: f64) -> Result<Self, BakeError> {
+    pub(crate) fn over(
+        &self,
+        part: &PartKeys,
+        keys: RangeInclusive<usize>,
+        output: SegmentOutput,
+    ) -> Result<Self, BakeError> {
         let own = keys.start() - self.keys.start()..=keys.end() - self.keys.start();
         let kinds: Vec<TrackKind> = self.clusters.iter().map(|cluster| cluster.kind).collect();
         let tracks = self
@@ -139,21 +153,21 @@ impl Segment {
             }
         }
         let found = (self.rest_key, self.residual, self.report.clone());
-        Self::of_clusters(part, keys, (&kinds, tracks, &cluster_of), budget, found)
+        Self::of_clusters(part, keys, (&kinds, tracks, &cluster_of), output, found)
     }
 
     fn of_clusters(
         part: &PartKeys,
         keys: RangeInclusive<usize>,
         (kinds, tracks, cluster_of): (&[TrackKind], Vec<KeyTrack>, &[u32]),
-        budget: f64,
+        output: SegmentOutput,
         (rest_key, residual, report): (usize, f64, DecomposeReport),
     ) -> Result<Self, BakeError> {
         let frames = &part.frames[keys.clone()];
         let homes = homes(&part.weld, &part.triangles, cluster_of);
         let home = |(cluster, raw): (u32, &bool)| if *raw { Home::Raw } else { Home::Cluster(cluster) };
         let homes: Vec<Home> = homes.into_iter().zip(&part.raw).map(home).collect();
-        let stored = StoredPositions::new(frames, &tracks, &homes, budget)?;
+        let stored = StoredPositions::new(frames, &tracks, &homes, output.position_error)?;
 
         let mut members = vec![Vec::new(); tracks.len()];
         for (triangle, cluster) in (0u32..).zip(cluster_of) {
@@ -164,13 +178,12 @@ impl Segment {
             .zip(&tracks)
             .map(|(triangles, track)| Bounded::new(part, frames.len(), triangles, track, &tracks, &stored))
             .collect();
-        let trees: Vec<KdTree> = bounded
+        let trees: Vec<FuzzyTree> = bounded
             .par_iter()
-            .map_init(KdBuilder::new, |builder, bounded| {
-                let mut tree = KdTree::default();
-                builder.build(&bounded.boxes, &fuzzy_tree(), &mut tree);
-                tree
-            })
+            .map_init(
+                || FuzzyTreeBuilder::new(output.tree),
+                |builder, bounded| builder.build(&bounded.boxes),
+            )
             .collect();
         let parts = kinds.iter().zip(tracks).zip(members).zip(bounded).zip(trees);
         let clusters: Vec<SegmentCluster> = parts
@@ -207,19 +220,13 @@ impl Segment {
 
     /// Bytes of its rows in the file.
     pub(crate) fn byte_count(&self) -> u64 {
-        use restpose_formats::rows::{
-            ClusterBoneRow, ClusterRow, KdNodeRow, KeyRow, KeyVertexRow, ReferenceBoxRow, SegmentRow, TrackRow,
-        };
+        use restpose_formats::rows::{ClusterBoneRow, ClusterRow, KeyRow, KeyVertexRow, SegmentRow, TrackRow};
         let keys = self.keys.end() - self.keys.start() + 1;
         let per_cluster = size_of::<ClusterRow>() + size_of::<TrackRow>() + keys * size_of::<KeyRow>();
         let trees: usize = self
             .clusters
             .iter()
-            .map(|cluster| {
-                cluster.tree.nodes.len() * size_of::<KdNodeRow>()
-                    + cluster.tree.references.len() * (size_of::<u32>() + size_of::<ReferenceBoxRow>())
-                    + size_of::<ClusterBoneRow>()
-            })
+            .map(|cluster| cluster.tree.byte_count() + size_of::<ClusterBoneRow>())
             .sum();
         let positions = self.stored.words.len() * size_of::<u32>() + self.stored.rows.len() * size_of::<KeyVertexRow>();
         (size_of::<SegmentRow>() + self.clusters.len() * per_cluster + trees + positions) as u64

@@ -1,6 +1,6 @@
 use super::{
     key_track::KeyTrack,
-    segment::{PartKeys, Segment},
+    segment::{PartKeys, Segment, SegmentOutput},
 };
 use crate::{BakeError, Progress, SegmentSettings, bounds::FuzzyBox, motion::keyframed::DecomposeSettings};
 use rayon::prelude::*;
@@ -21,7 +21,7 @@ pub(super) fn split_in_time(
     whole: Segment,
     segments: &SegmentSettings,
     decompose: &DecomposeSettings,
-    budget: f64,
+    output: SegmentOutput,
     progress: &dyn Progress,
 ) -> Result<Vec<Segment>, BakeError> {
     let intervals = |segment: &Segment| (segment.keys.end() - segment.keys.start()) as f64;
@@ -38,8 +38,8 @@ pub(super) fn split_in_time(
             continue;
         };
         let (first, last) = (*segment.keys.start(), *segment.keys.end());
-        let left = segment.over(part, first..=key, budget)?;
-        let right = segment.over(part, key..=last, budget)?;
+        let left = segment.over(part, first..=key, output)?;
+        let right = segment.over(part, key..=last, output)?;
         let all_cost: f64 = open.iter().map(|(segment, _)| weighted_cost(segment)).sum();
         let all_bytes: u64 = open.iter().map(|(segment, _)| segment.byte_count()).sum();
         let saved = weighted_cost(segment) - weighted_cost(&left) - weighted_cost(&right);
@@ -55,7 +55,7 @@ pub(super) fn split_in_time(
     let several = open.len() > 1;
     for (segment, _) in open {
         if several {
-            let own = Segment::new(part, segment.keys.clone(), decompose, budget, progress)?;
+            let own = Segment::new(part, segment.keys.clone(), decompose, output, progress)?;
             out.push(if own.cost < segment.cost { own } else { segment });
         } else {
             out.push(segment);

@@ -23,6 +23,7 @@ mod sweep;
 mod sweep_split;
 mod top;
 mod vertical;
+mod wide;
 
 pub use binned::BinnedBvh;
 pub use fused::FusedBvh;
@@ -32,6 +33,7 @@ pub use median::MedianBvh;
 pub use refit::{refit, refit_parallel};
 pub use subtree::DEFAULT_LEAF_SIZE;
 pub use sweep::SweepBvh;
+pub use wide::{TooManyBoxes, WideBuilder, WideBvh, WideFault};
 
 use restpose_runtime::build::{Bvh, BvhSettings, CheckedBoxes, StreamedBvh};
 

@@ -10,3 +10,4 @@ mod optimum;
 mod refit;
 mod tree_sets;
 mod validity;
+mod wide;

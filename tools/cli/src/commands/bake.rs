@@ -134,6 +134,7 @@ pub fn bake_to(
 
 fn settings(args: &BakeArgs) -> Result<BakeSettings, Failure> {
     let settings = BakeSettings {
+        tree: args.tree.into(),
         class_overrides: args
             .classes
             .iter()

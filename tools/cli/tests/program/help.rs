@@ -48,6 +48,7 @@ fn options_stand_in_groups_with_their_defaults() {
         "--position-error <UNITS>",
         "--max-clusters <N>",
         "Poses:",
+        "Trees:",
         "Motion classes:",
     ] {
         assert!(bake.stdout.contains(words), "{words}: {}", bake.stdout);

@@ -1,0 +1,127 @@
+//! Wide trees of a baked file: the boxes of the kd-trees, and the same bytes on any number of threads.
+
+use restpose_bake::{
+    BakeSettings, DecomposeSettings, NoProgress, SegmentSettings, bake,
+    import::{Animation, FrameRange, ImportSettings, import, import_files},
+    subdivide::subdivide,
+};
+use restpose_formats::{
+    Model, TreeKind,
+    rows::{ClusterRow, ReferenceBoxRow, WideChild},
+};
+use restpose_tests::source_scenes;
+use std::{collections::BTreeMap, ops::Range, path::Path};
+
+fn range(first: u32, count: u32) -> Range<usize> {
+    first as usize..(first + count) as usize
+}
+
+/// Boxes of single triangles, by triangle row.
+fn boxes(model: &Model, cluster: &ClusterRow) -> BTreeMap<u32, ReferenceBoxRow> {
+    let nodes = range(cluster.node_first, cluster.node_count);
+    match model.meta.tree {
+        TreeKind::Kd => {
+            let references = range(cluster.reference_first, cluster.reference_count);
+            let boxes = &model.reference_boxes[references.clone()];
+            model.references[references]
+                .iter()
+                .copied()
+                .zip(boxes.iter().copied())
+                .collect()
+        }
+        TreeKind::Wide => {
+            let mut out = BTreeMap::new();
+            for node in &model.wide_nodes[nodes] {
+                for (place, child) in node.children().enumerate() {
+                    if let WideChild::Leaf(triangle) = child {
+                        let [min, max] = [&node.min, &node.max].map(|corner| [0, 1, 2].map(|k| corner[k][place]));
+                        out.insert(triangle, ReferenceBoxRow { min, max });
+                    }
+                }
+            }
+            out
+        }
+    }
+}
+
+/// All scenes with bones, subdivided so that there is more than one task of triangles, and some frames of two vertex caches:
+/// a goose that moves in one piece, and a vase that bursts.
+fn animations() -> Vec<(String, Animation)> {
+    let mut out = Vec::new();
+    for path in source_scenes() {
+        let animation = import(&path).expect("a scene").animation;
+        out.push((path.display().to_string(), subdivide(&animation, 1)));
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../samples/scenes");
+    for (name, step) in [("goose", 8), ("shatter", 6)] {
+        let inputs = ["obj", "pc2"].map(|extension| folder.join(format!("{name}.{extension}")));
+        let frames = FrameRange {
+            step,
+            ..FrameRange::default()
+        };
+        let settings = ImportSettings {
+            frames,
+            ..ImportSettings::default()
+        };
+        let imported = import_files(&inputs, &settings).expect("a bundled scene");
+        out.push((name.to_owned(), imported.animation));
+    }
+    out
+}
+
+fn settings(tree: TreeKind) -> BakeSettings {
+    BakeSettings {
+        tree,
+        // What trees cost decides neither on the clusters nor on free motion.
+        rays_per_frame: 0.0,
+        motion: DecomposeSettings {
+            max_clusters: 1,
+            ..DecomposeSettings::default()
+        },
+        ..BakeSettings::default()
+    }
+}
+
+#[test]
+fn wide_trees_have_the_boxes_of_kd_trees() {
+    let mut with_track = 0;
+    for (name, animation) in animations() {
+        let [kd, wide] = [TreeKind::Kd, TreeKind::Wide]
+            .map(|tree| bake(&animation, &settings(tree), &NoProgress).expect("a scene").model);
+        restpose_formats::write(&wide).expect("a valid file");
+        assert_eq!(kd.clusters.len(), wide.clusters.len());
+        assert!(wide.kd_nodes.is_empty() && wide.reference_boxes.is_empty() && !wide.wide_nodes.is_empty());
+        for (kd_row, row) in kd.clusters.iter().zip(&wide.clusters) {
+            assert_eq!(kd_row.bounds_local, row.bounds_local);
+            assert_eq!(row.reference_count, row.triangle_count);
+            if row.node_count > 0 {
+                assert_eq!(boxes(&kd, kd_row), boxes(&wide, row), "{name}");
+                with_track += u32::from(row.track != u32::MAX);
+            }
+        }
+    }
+    assert!(with_track > 0);
+}
+
+#[test]
+fn wide_files_are_the_same_bytes_on_one_and_two_threads() {
+    for (name, animation) in animations() {
+        let settings = BakeSettings {
+            tree: TreeKind::Wide,
+            segments: SegmentSettings {
+                most: 2,
+                ..SegmentSettings::default()
+            },
+            ..BakeSettings::default()
+        };
+        let bytes = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .expect("threads");
+            let baked = pool.install(|| bake(&animation, &settings, &NoProgress));
+            restpose_formats::write(&baked.expect("a scene").model).expect("a valid file")
+        };
+        assert!(bytes(1) == bytes(2), "{name}");
+    }
+}
