@@ -65,7 +65,7 @@ const EXTENT_LIMIT: f64 = (1u128 << 126) as f64;
 const RAY_ERROR: f32 = (VERTEX_ERROR + 18.0 * UNIT_ROUNDOFF) as f32;
 
 /// The same in world space, where no ray is transformed: triangle test 6u, slabs 4u; 16u covers them.
-const WORLD_RAY_ERROR: f32 = (VERTEX_ERROR + 10.0 * UNIT_ROUNDOFF) as f32;
+pub(crate) const WORLD_RAY_ERROR: f32 = (VERTEX_ERROR + 10.0 * UNIT_ROUNDOFF) as f32;
 
 /// 2⁻¹⁴⁰: covers what gradual underflow adds to the sums above, at most 2⁻¹⁵⁰ per operation. Taken once in local units
 /// and once times `Σ|L|` for what underflows in world space.
@@ -465,7 +465,7 @@ impl SlabRay {
         let margin = WORLD_RAY_ERROR * distance(origin, bounds) + UNDERFLOW_FLOOR as f32;
         Self {
             origin,
-            inverse_direction: direction.map(|d| 1.0 / d),
+            inverse_direction: std::array::from_fn(|k| 1.0 / direction[k]),
             margin: [margin; 3],
         }
     }
@@ -631,7 +631,7 @@ mod tests {
             });
             let ray = SlabRay {
                 origin,
-                inverse_direction: direction.map(|d| 1.0 / d),
+                inverse_direction: std::array::from_fn(|k| 1.0 / direction[k]),
                 margin,
             };
             let lattice = LatticeRay::new(&ray, &bounds, &restpose_formats::rows::box_steps(&bounds));

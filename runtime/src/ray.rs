@@ -1,8 +1,11 @@
+use bytemuck::{Pod, Zeroable};
+
 /// A ray: the points `origin + t · direction` with `t_min ≤ t ≤ t_max`.
 ///
 /// The direction need not be normalised; `t` counts in its lengths. A ray with a NaN or infinite origin or direction,
 /// a zero direction, a NaN bound or `t_min > t_max` hits nothing. Infinite bounds are allowed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Ray {
     /// World space.
     pub origin: [f32; 3],

@@ -79,7 +79,7 @@ impl PreparedRay {
             return None;
         }
 
-        let [a, b, c] = [a, b, c].map(|corner| corner.map(f64::from));
+        let (a, b, c) = (widen(a), widen(b), widen(c));
         let u = c[0] * b[1] - c[1] * b[0];
         let v = a[0] * c[1] - a[1] * c[0];
         let w = b[0] * a[1] - b[1] * a[0];
@@ -114,6 +114,12 @@ impl PreparedRay {
             z,
         ]
     }
+}
+
+/// As `map`, which compilers leave a call.
+#[inline(always)]
+fn widen([x, y, z]: [f32; 3]) -> [f64; 3] {
+    [f64::from(x), f64::from(y), f64::from(z)]
 }
 
 #[cfg(test)]

@@ -70,9 +70,74 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn div8(self, a: __m256, b: __m256) -> __m256 {
+        // SAFETY: see above.
+        unsafe { _mm256_div_ps(a, b) }
+    }
+
+    #[inline(always)]
     fn min8(self, a: __m256, b: __m256) -> __m256 {
         // SAFETY: see above.
         unsafe { _mm256_min_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn extremes8(self, least_of: __m256, greatest_of: __m256) -> (f32, f32) {
+        // SAFETY: see above.
+        unsafe {
+            // One half per extreme: the greatest is the least of what is negated.
+            let negated = _mm256_xor_ps(greatest_of, _mm256_set1_ps(-0.0));
+            let low = _mm256_permute2f128_ps::<0x20>(least_of, negated);
+            let high = _mm256_permute2f128_ps::<0x31>(least_of, negated);
+            let four = _mm256_min_ps(low, high);
+            let two = _mm256_min_ps(four, _mm256_permute_ps::<0b01_00_11_10>(four));
+            let one = _mm256_min_ps(two, _mm256_permute_ps::<0b10_11_00_01>(two));
+            (_mm256_cvtss_f32(one), -_mm_cvtss_f32(_mm256_extractf128_ps::<1>(one)))
+        }
+    }
+
+    #[inline(always)]
+    fn transpose8(self, r: [__m256; 8]) -> [__m256; 8] {
+        // SAFETY: see above.
+        unsafe {
+            // Within each half: pairs of rows, then fours of them; then the halves.
+            let t = [
+                _mm256_unpacklo_ps(r[0], r[1]),
+                _mm256_unpackhi_ps(r[0], r[1]),
+                _mm256_unpacklo_ps(r[2], r[3]),
+                _mm256_unpackhi_ps(r[2], r[3]),
+                _mm256_unpacklo_ps(r[4], r[5]),
+                _mm256_unpackhi_ps(r[4], r[5]),
+                _mm256_unpacklo_ps(r[6], r[7]),
+                _mm256_unpackhi_ps(r[6], r[7]),
+            ];
+            let f = [
+                _mm256_shuffle_ps::<0x44>(t[0], t[2]),
+                _mm256_shuffle_ps::<0xee>(t[0], t[2]),
+                _mm256_shuffle_ps::<0x44>(t[1], t[3]),
+                _mm256_shuffle_ps::<0xee>(t[1], t[3]),
+                _mm256_shuffle_ps::<0x44>(t[4], t[6]),
+                _mm256_shuffle_ps::<0xee>(t[4], t[6]),
+                _mm256_shuffle_ps::<0x44>(t[5], t[7]),
+                _mm256_shuffle_ps::<0xee>(t[5], t[7]),
+            ];
+            [
+                _mm256_permute2f128_ps::<0x20>(f[0], f[4]),
+                _mm256_permute2f128_ps::<0x20>(f[1], f[5]),
+                _mm256_permute2f128_ps::<0x20>(f[2], f[6]),
+                _mm256_permute2f128_ps::<0x20>(f[3], f[7]),
+                _mm256_permute2f128_ps::<0x31>(f[0], f[4]),
+                _mm256_permute2f128_ps::<0x31>(f[1], f[5]),
+                _mm256_permute2f128_ps::<0x31>(f[2], f[6]),
+                _mm256_permute2f128_ps::<0x31>(f[3], f[7]),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    fn lt8(self, a: __m256, b: __m256) -> u32 {
+        // SAFETY: see above.
+        unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) as u32 }
     }
 
     #[inline(always)]

@@ -16,7 +16,14 @@ pub(crate) trait Lanes: Copy {
     fn add8(self, a: Self::F8, b: Self::F8) -> Self::F8;
     fn sub8(self, a: Self::F8, b: Self::F8) -> Self::F8;
     fn mul8(self, a: Self::F8, b: Self::F8) -> Self::F8;
+    fn div8(self, a: Self::F8, b: Self::F8) -> Self::F8;
     fn min8(self, a: Self::F8, b: Self::F8) -> Self::F8;
+    /// The least and the greatest lane; means nothing where a lane is no number.
+    fn extremes8(self, least_of: Self::F8, greatest_of: Self::F8) -> (f32, f32);
+    /// Lane `i` of output `k` is lane `k` of input `i`.
+    fn transpose8(self, from: [Self::F8; 8]) -> [Self::F8; 8];
+    /// As `le8`, where `a < b`.
+    fn lt8(self, a: Self::F8, b: Self::F8) -> u32;
     /// A bit per lane, lane 0 lowest: set where `a ≤ b`, and so not for numbers that do not compare.
     fn le8(self, a: Self::F8, b: Self::F8) -> u32;
     /// As `max8`, where lane 7 counts: its bits are those of `b`'s, plus one.

@@ -49,8 +49,34 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn div8(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
+        std::array::from_fn(|k| a[k] / b[k])
+    }
+
+    #[inline(always)]
     fn min8(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
         std::array::from_fn(|k| if a[k] < b[k] { a[k] } else { b[k] })
+    }
+
+    #[inline(always)]
+    fn extremes8(self, least_of: [f32; 8], greatest_of: [f32; 8]) -> (f32, f32) {
+        let least = least_of
+            .into_iter()
+            .fold(f32::INFINITY, |a, b| if a < b { a } else { b });
+        let greatest = greatest_of
+            .into_iter()
+            .fold(f32::NEG_INFINITY, |a, b| if a > b { a } else { b });
+        (least, greatest)
+    }
+
+    #[inline(always)]
+    fn transpose8(self, from: [[f32; 8]; 8]) -> [[f32; 8]; 8] {
+        std::array::from_fn(|k| std::array::from_fn(|i| from[i][k]))
+    }
+
+    #[inline(always)]
+    fn lt8(self, a: [f32; 8], b: [f32; 8]) -> u32 {
+        (0..8).fold(0, |bits, k| bits | u32::from(a[k] < b[k]) << k)
     }
 
     #[inline(always)]

@@ -12,6 +12,7 @@ fn everything<S: Lanes>(simd: S, a: &[f32; 8], b: &[f32; 8]) -> Vec<u32> {
         simd.sub8(wide_a, wide_b),
         simd.mul8(wide_a, wide_b),
         simd.min8(wide_a, wide_b),
+        simd.div8(wide_a, wide_b),
         simd.splat8(a[2]),
         simd.widen8(&a.map(|x| x as u16)),
     ];
@@ -38,7 +39,17 @@ fn everything<S: Lanes>(simd: S, a: &[f32; 8], b: &[f32; 8]) -> Vec<u32> {
     let bits = |x: f32| if x.is_nan() { u32::MAX } else { x.to_bits() };
     let mut out: Vec<u32> = out.into_iter().map(bits).collect();
     out.push(counted[7].to_bits());
-    out.push(simd.le8(wide_a, wide_b));
+    out.extend([simd.le8(wide_a, wide_b), simd.lt8(wide_a, wide_b)]);
+    let numbers = [a, b].map(|lanes| simd.load8(&lanes.map(|x| if x.is_nan() { 0.5 } else { x + 0.0 })));
+    let (least, greatest) = simd.extremes8(numbers[0], numbers[1]);
+    // A greatest zero may have either sign.
+    out.extend([least.to_bits(), (greatest + 0.0).to_bits()]);
+    let rows = [wide_a, wide_b, wide_b, wide_a, wide[1], wide[2], wide_b, wide[3]];
+    for vector in simd.transpose8(rows) {
+        let mut eight = [0.0; 8];
+        simd.store8(vector, &mut eight);
+        out.extend(eight.map(bits));
+    }
     for count in 1..=8 {
         out.extend(simd.ranks8(a, count)[..count].iter().map(|rank| u32::from(*rank)));
     }

@@ -2,11 +2,8 @@ use super::{WideNode, WideRay};
 use crate::{cluster_frame::LatticeRay, simd::Lanes};
 use restpose_formats::rows::WideNodeRow;
 
-/// A node with eight boxes that a ray can meet.
-pub(crate) trait WideBoxes {
-    /// The ray, ready for boxes of this kind.
-    type Ray;
-
+/// A node with eight boxes that an `R` can meet: a ray, or several at once.
+pub(crate) trait WideBoxes<R> {
     /// Packed [`WideChild`](restpose_formats::rows::WideChild)ren.
     fn children(&self) -> &[u32; 8];
 
@@ -14,12 +11,10 @@ pub(crate) trait WideBoxes {
     /// that are empty as children may be among them.
     ///
     /// Both ends of the range are numbers; a plane whose `t` is none restricts nothing.
-    fn meet<S: Lanes>(&self, simd: S, ray: &Self::Ray, start: f32, limit: f32) -> (S::F8, u32);
+    fn meet<S: Lanes>(&self, simd: S, ray: &R, start: f32, limit: f32) -> (S::F8, u32);
 }
 
-impl WideBoxes for WideNode {
-    type Ray = WideRay;
-
+impl WideBoxes<WideRay> for WideNode {
     #[inline(always)]
     fn children(&self) -> &[u32; 8] {
         &self.children
@@ -47,9 +42,7 @@ impl WideBoxes for WideNode {
     }
 }
 
-impl WideBoxes for WideNodeRow {
-    type Ray = LatticeRay;
-
+impl WideBoxes<LatticeRay> for WideNodeRow {
     #[inline(always)]
     fn children(&self) -> &[u32; 8] {
         &self.children

@@ -4,11 +4,22 @@
 //! instance's top level, trees over posed triangles), and the rows of a file, whose boxes are on their cluster's lattice
 //! in its local space. [`refit`] gives a tree the boxes of this frame, [`append_rows`] takes the topology of a file's
 //! tree, [`collapse`] makes a wide tree of a binary one.
+//!
+//! Coherent rays go through trees in world space together: a [`Packet`] parts them into bundles that [`walk`] takes like a
+//! single ray.
+//!
+//! Based on: Wald et al., *Interactive Rendering with Coherent Ray Tracing*, 2001 (packets); Boulos, Wald and Shirley,
+//! *Geometric and Arithmetic Culling Methods for Entire Ray Packets*, 2006 (interval arithmetic).
 
 mod boxes;
+mod bundle;
 mod collapse;
 mod node;
+mod packet;
+#[cfg(test)]
+mod packet_tests;
 mod ray;
+mod ray_group;
 mod refit;
 mod stack;
 #[cfg(test)]
@@ -17,7 +28,11 @@ mod walk;
 
 pub(crate) use collapse::collapse;
 pub(crate) use node::{WideNode, append_rows};
+#[expect(unused_imports, reason = "no batch is traced in packets yet")]
+pub(crate) use packet::PACKET;
+pub(crate) use packet::{Bundled, Packet};
 pub(crate) use ray::WideRay;
+pub(crate) use ray_group::GROUP;
 pub(crate) use refit::refit;
 pub(crate) use stack::WideStack;
 pub(crate) use walk::{Limited, walk};

@@ -2,7 +2,7 @@ use crate::cluster_frame::SlabRay;
 use restpose_formats::geom::round::UNIT_ROUNDOFF;
 
 /// Two units in the last place of a coordinate, relatively: see [`WideRay`].
-const ORIGIN_SLACK: f32 = (4.0 * UNIT_ROUNDOFF) as f32;
+pub(super) const ORIGIN_SLACK: f32 = (4.0 * UNIT_ROUNDOFF) as f32;
 
 /// A ray ready for nodes whose boxes are `f32`, the margin folded into its origin.
 ///

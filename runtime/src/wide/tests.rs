@@ -95,10 +95,10 @@ fn certainly_meets(origin: [f32; 3], direction: [f32; 3], bounds: &Aabb, (start,
 }
 
 /// What is visited, in order. With `cut` set, visits shorten the ray.
-fn visits<N: WideBoxes>(
+fn visits<N: WideBoxes<R>, R>(
     level: SimdLevel,
     nodes: &[N],
-    ray: &N::Ray,
+    ray: &R,
     (start, limit): (f32, f32),
     cut: Option<&dyn Fn(u32) -> f32>,
 ) -> Vec<u32> {

@@ -27,11 +27,11 @@ pub(crate) trait Limited {
     reason = "what a traversal is made of; bundled, they would only be unpacked"
 )]
 #[inline]
-pub(crate) fn walk<N: WideBoxes, T: Limited, C: Count>(
+pub(crate) fn walk<N: WideBoxes<R>, R, T: Limited, C: Count>(
     level: SimdLevel,
     nodes: &[N],
     root: u32,
-    ray: &N::Ray,
+    ray: &R,
     start: f32,
     traveller: &mut T,
     stack: &mut WideStack,
@@ -42,11 +42,11 @@ pub(crate) fn walk<N: WideBoxes, T: Limited, C: Count>(
     if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {
         #[target_feature(enable = "avx2,popcnt")]
         #[expect(clippy::too_many_arguments, reason = "as above")]
-        fn compiled<N: WideBoxes, T: Limited, C: Count>(
+        fn compiled<N: WideBoxes<R>, R, T: Limited, C: Count>(
             simd: Avx2,
             nodes: &[N],
             root: u32,
-            ray: &N::Ray,
+            ray: &R,
             start: f32,
             traveller: &mut T,
             stack: &mut WideStack,
@@ -64,11 +64,11 @@ pub(crate) fn walk<N: WideBoxes, T: Limited, C: Count>(
 
 #[expect(clippy::too_many_arguments, reason = "as above")]
 #[inline(always)]
-fn walk_with<S: Lanes, N: WideBoxes, T: Limited, C: Count>(
+fn walk_with<S: Lanes, N: WideBoxes<R>, R, T: Limited, C: Count>(
     simd: S,
     nodes: &[N],
     root: u32,
-    ray: &N::Ray,
+    ray: &R,
     start: f32,
     traveller: &mut T,
     stack: &mut WideStack,

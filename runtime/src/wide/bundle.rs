@@ -1,0 +1,191 @@
+use super::{WideNode, boxes::WideBoxes, ray::ORIGIN_SLACK, ray_group::RayGroup};
+#[cfg(target_arch = "x86_64")]
+use crate::simd::Avx2;
+use crate::{
+    Aabb,
+    cluster_frame::WORLD_RAY_ERROR,
+    simd::{Lanes, Portable, SimdLevel},
+};
+
+/// 2³⁰: components of directions that are longer, or all shorter than its inverse, are left to single rays, which scale
+/// them.
+const DIRECTION_LIMIT: f32 = (1u32 << 30) as f32;
+
+/// 2⁻¹¹⁸: a `t` that underflows is off by at most 2⁻¹⁵⁰, which is a length of 2⁻¹²⁰ along such a direction.
+const FLOOR: f32 = 1.0 / (1u128 << 118) as f32;
+
+/// Coherent rays in world space: intervals of what they are made of. `t` is the rays' own, not scaled.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RayBundle {
+    /// Least and greatest origins.
+    origin: [[f32; 3]; 2],
+    /// Least and greatest inverses of directions: per axis of one sign, and finite.
+    inverse_direction: [[f32; 3]; 2],
+    /// Before the least `t_min`.
+    start: f32,
+}
+
+impl RayBundle {
+    /// Of all rays in some groups; `None` where one can hit nothing, they do not all run the same way along each axis, or
+    /// their directions are too long or short.
+    pub(super) fn around(level: SimdLevel, groups: &[RayGroup]) -> Option<Self> {
+        #[cfg(target_arch = "x86_64")]
+        if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {
+            #[target_feature(enable = "avx2,popcnt")]
+            fn compiled(simd: Avx2, groups: &[RayGroup]) -> Option<RayBundle> {
+                RayBundle::around_with(simd, groups)
+            }
+            #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
+            // SAFETY: an `Avx2` exists only on machines that have both features.
+            return unsafe { compiled(simd, groups) };
+        }
+        Self::around_with(Portable, groups)
+    }
+
+    #[inline(always)]
+    fn around_with<S: Lanes>(simd: S, groups: &[RayGroup]) -> Option<Self> {
+        let (infinity, minus_infinity) = (simd.splat8(f32::INFINITY), simd.splat8(f32::NEG_INFINITY));
+        let (mut least, mut greatest, mut t_min) = ([infinity; 6], [minus_infinity; 6], infinity);
+        let mut unusable = 0;
+        for group in groups {
+            let mut sum = simd.splat8(0.0);
+            for row in 0..6 {
+                let lanes = simd.load8(&group.rows[row]);
+                least[row] = simd.min8(lanes, least[row]);
+                greatest[row] = simd.max8(lanes, greatest[row]);
+                sum = simd.add8(sum, lanes);
+            }
+            let start = simd.load8(&group.rows[6]);
+            t_min = simd.min8(start, t_min);
+            // Finite only where all six are.
+            let finite = simd.lt8(sum, infinity) & simd.lt8(minus_infinity, sum);
+            unusable |= !(finite & simd.le8(start, simd.load8(&group.rows[7]))) & group.used;
+        }
+        if unusable != 0 {
+            return None;
+        }
+        let (mut origin, mut direction) = ([[0.0; 3]; 2], [[0.0; 3]; 2]);
+        for k in 0..3 {
+            (origin[0][k], origin[1][k]) = simd.extremes8(least[k], greatest[k]);
+            (direction[0][k], direction[1][k]) = simd.extremes8(least[3 + k], greatest[3 + k]);
+        }
+        let (t_min, _) = simd.extremes8(t_min, t_min);
+        Self::new(origin, direction, t_min)
+    }
+
+    #[inline(always)]
+    fn new(origin: [[f32; 3]; 2], [low, high]: [[f32; 3]; 2], t_min: f32) -> Option<Self> {
+        let mut longest = 0.0f32;
+        for k in 0..3 {
+            let (shortest, length) = if low[k] > 0.0 {
+                (low[k], high[k])
+            } else {
+                (-high[k], -low[k])
+            };
+            if shortest < f32::MIN_POSITIVE || length > DIRECTION_LIMIT {
+                return None;
+            }
+            longest = longest.max(shortest);
+        }
+        let inverse = |direction: [f32; 3]| std::array::from_fn(|k| 1.0 / direction[k]);
+        (longest >= 1.0 / DIRECTION_LIMIT).then(|| Self {
+            origin,
+            inverse_direction: [inverse(high), inverse(low)],
+            start: t_min.next_down(),
+        })
+    }
+
+    /// By how much the planes of boxes inside `bounds` move, per axis: the margin of the farthest of the rays, and what
+    /// folding it into an origin needs (see [`WideRay`](super::WideRay)).
+    #[inline]
+    pub(super) fn outwards(&self, bounds: &Aabb) -> [f32; 3] {
+        let [low, high] = &self.origin;
+        let far = |far: f32, k: usize| far.max(bounds.max[k] - low[k]).max(high[k] - bounds.min[k]);
+        let margin = WORLD_RAY_ERROR * (0..3).fold(0.0, far) + FLOOR;
+        std::array::from_fn(|k| ORIGIN_SLACK * low[k].abs().max(high[k].abs()) + margin)
+    }
+}
+
+/// A bundle ready for nodes whose boxes are `f32`, with the margin that boxes inside of some bounds need.
+///
+/// # Why it misses nothing that one of its rays meets
+///
+/// Its margin is that of the ray with the greatest distance, and its origins are the outermost of all. Rounding is
+/// monotone, so `a = fl(plane − near)` is not above what [`WideRay`](super::WideRay) computes for any of the rays; and a
+/// product being monotone in either factor, the lesser of `fl(a·i)` over both ends i of the interval of inverses is not
+/// above that ray's. Far planes go the other way. So where a ray's own test passes, the bundle's does. That directions are
+/// not scaled here changes only what underflows, which the floor of the margin covers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WideBundle {
+    near: [f32; 3],
+    far: [f32; 3],
+    inverse_direction: [[f32; 3]; 2],
+    near_row: [usize; 3],
+    /// The least `t` that counts for any of the rays: where a traversal starts.
+    pub start: f32,
+}
+
+impl WideBundle {
+    /// `None` where distances overflow.
+    #[inline]
+    pub(super) fn new(bundle: &RayBundle, bounds: &Aabb) -> Option<Self> {
+        let [low, high] = &bundle.origin;
+        let outwards = bundle.outwards(bounds);
+        let mut out = Self {
+            near: [0.0; 3],
+            far: [0.0; 3],
+            inverse_direction: bundle.inverse_direction,
+            near_row: [0; 3],
+            start: bundle.start,
+        };
+        let mut reach = 0.0;
+        for k in 0..3 {
+            let (above, below) = (high[k] + outwards[k], low[k] - outwards[k]);
+            let forward = bundle.inverse_direction[0][k] > 0.0;
+            (out.near[k], out.far[k]) = if forward { (above, below) } else { (below, above) };
+            out.near_row[k] = usize::from(!forward);
+            reach += above.abs() + below.abs();
+        }
+        reach.is_finite().then_some(out)
+    }
+
+    /// Whether one of the rays may be inside one of a node's boxes.
+    pub(super) fn meets_any(&self, level: SimdLevel, node: &WideNode, limit: f32) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {
+            #[target_feature(enable = "avx2,popcnt")]
+            fn compiled(simd: Avx2, bundle: &WideBundle, node: &WideNode, limit: f32) -> bool {
+                node.meet(simd, bundle, bundle.start, limit).1 != 0
+            }
+            #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
+            // SAFETY: an `Avx2` exists only on machines that have both features.
+            return unsafe { compiled(simd, self, node, limit) };
+        }
+        node.meet(Portable, self, self.start, limit).1 != 0
+    }
+}
+
+impl WideBoxes<WideBundle> for WideNode {
+    #[inline(always)]
+    fn children(&self) -> &[u32; 8] {
+        &self.children
+    }
+
+    #[inline(always)]
+    fn meet<S: Lanes>(&self, simd: S, bundle: &WideBundle, start: f32, limit: f32) -> (S::F8, u32) {
+        let (mut enter, mut exit) = (simd.splat8(start), simd.splat8(limit));
+        let [least, greatest] = &bundle.inverse_direction;
+        for k in 0..3 {
+            let near_row = bundle.near_row[k] & 1;
+            let (near, far) = (&self.planes[near_row][k], &self.planes[1 - near_row][k]);
+            let (least, greatest) = (simd.splat8(least[k]), simd.splat8(greatest[k]));
+            let near = simd.sub8(simd.load8(near), simd.splat8(bundle.near[k]));
+            let far = simd.sub8(simd.load8(far), simd.splat8(bundle.far[k]));
+            let near = simd.min8(simd.mul8(near, least), simd.mul8(near, greatest));
+            let far = simd.max8(simd.mul8(far, least), simd.mul8(far, greatest));
+            enter = simd.max8(near, enter);
+            exit = simd.min8(far, exit);
+        }
+        (enter, simd.le8(enter, exit))
+    }
+}
