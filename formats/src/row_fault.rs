@@ -257,8 +257,8 @@ pub enum RowFault {
         /// Upper end.
         max: f32,
     },
-    /// A box that is not known to hold is not empty.
-    #[error("`known` is 0, expected `bounds` empty: from inf to -inf on every axis")]
+    /// A box that is not known to hold is not empty, or has magnitudes.
+    #[error("`known` is 0, expected `bounds` empty, from inf to -inf on every axis, and `reach` and `rest_reach` 0")]
     UnknownBounds,
     /// An interval holds no weight.
     #[error("it is empty: it reaches from {min} to {max}")]

@@ -172,8 +172,17 @@ pub(crate) enum BoundedPose<'a> {
 pub(crate) fn posed_bounds(asset: &Asset, world_from_asset: &Affine, pose: BoundedPose) -> Option<Aabb> {
     match pose {
         BoundedPose::Clip(clip) => {
-            let _ = clip;
-            None
+            let model = asset.model();
+            let row = clip.map_or(model.clips.len(), |clip| clip as usize);
+            let clip = model.clip_bounds.get(row).filter(|clip| clip.is_known())?;
+            let reach = clip.reach.map(f64::from);
+            Some(in_world(
+                asset,
+                world_from_asset,
+                &clip.bounds,
+                reach,
+                clip.rest_reach.into(),
+            ))
         }
         BoundedPose::Given(pose) => {
             let boxes = asset.rest_boxes();

@@ -1,10 +1,11 @@
 use super::{
-    numbers::{reserved, solid_box},
+    numbers::{extent, solid_box},
     row,
 };
-use crate::{FormatError, ModelView, RowFault, SectionKind, geom::Aabb};
+use crate::{FormatError, ModelView, RowFault, SectionKind, rows::ClipBoundsRow};
 
-/// There are bounds of every clip and of the pose without any, or of none; known ones are boxes, others are empty.
+/// There are bounds of every clip and of the pose without any, or of none; known ones are boxes with their
+/// magnitudes, others are empty.
 pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
     let section = SectionKind::ClipBounds;
     let (found, expected) = (view.clip_bounds.len(), view.clips.len() + 1);
@@ -16,11 +17,14 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
         });
     }
     for (at, clip) in view.clip_bounds.iter().enumerate() {
-        reserved(section, at, "reserved", &[clip.reserved])?;
         match clip.known {
-            0 if clip.bounds == Aabb::EMPTY => {}
+            0 if *clip == ClipBoundsRow::UNKNOWN => {}
             0 => return Err(row(section, at, RowFault::UnknownBounds)),
-            1 => solid_box(section, at, "bounds", &clip.bounds)?,
+            1 => {
+                solid_box(section, at, "bounds", &clip.bounds)?;
+                extent(section, at, "reach", &clip.reach)?;
+                extent(section, at, "rest_reach", &[clip.rest_reach])?;
+            }
             found => {
                 let (field, limit) = ("known", 2);
                 return Err(row(section, at, RowFault::UnknownNumber { field, found, limit }));

@@ -115,36 +115,42 @@ pub struct SampleRow {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ClipBoundsRow {
-    /// Contains, at every time of the clip, every posed vertex of every triangle with area, in asset space.
+    /// Contains, in exact arithmetic, every mix `Σ w·(X·p)` of every vertex of every triangle with area, in asset space: at
+    /// every time of the clip, with the palette and the morph weights of that time as rounded to `f32`.
     /// [`Aabb::EMPTY`] where nothing is known.
     pub bounds: Aabb,
+    /// Bounds, per axis, the magnitudes `|X|·|p| + |t|` that enter these mixes, for every bone and every vertex that it
+    /// moves: rounding at run time is relative to them. Zero where nothing is known.
+    pub reach: [f32; 3],
+    /// Bounds `|p₀| + |p₁| + |p₂|` of every `p`, a rest position as morphed, term by term. Zero where nothing is known.
+    pub rest_reach: f32,
     /// 1 where `bounds` holds, 0 where nothing is known.
     pub known: u32,
-    /// Zero.
-    pub reserved: u32,
 }
 
 impl ClipBoundsRow {
     /// The row of a clip that nothing bounds.
     pub const UNKNOWN: Self = Self {
         bounds: Aabb::EMPTY,
+        reach: [0.0; 3],
+        rest_reach: 0.0,
         known: 0,
-        reserved: 0,
     };
 
-    /// The row of a clip that stays within `bounds`.
+    /// The row of a clip that stays within `bounds`; fields as they are named.
     #[must_use]
-    pub fn within(bounds: Aabb) -> Self {
+    pub fn within(bounds: Aabb, reach: [f32; 3], rest_reach: f32) -> Self {
         Self {
             bounds,
+            reach,
+            rest_reach,
             known: 1,
-            reserved: 0,
         }
     }
 
-    /// The box, where it is known.
+    /// True where the bounds hold.
     #[must_use]
-    pub fn bounds(&self) -> Option<Aabb> {
-        (self.known != 0).then_some(self.bounds)
+    pub fn is_known(&self) -> bool {
+        self.known != 0
     }
 }

@@ -58,7 +58,7 @@ const SECTIONS: [(&[u8; 4], usize); 35] = [
     (b"KTIM", 4),
     (b"KVAL", 4),
     (b"SAMP", 8),
-    (b"CBND", 32),
+    (b"CBND", 44),
     (b"CACH", 32),
     (b"SEGM", 32),
     (b"TRAK", 32),
@@ -175,8 +175,8 @@ fn rows_are_as_the_text_says() {
     same!(b"KTIM", m.key_times, b => f32s::<1>(b, 0), r => [*r]);
     same!(b"KVAL", m.key_values, b => f32s::<1>(b, 0), r => [*r]);
     same!(b"SAMP", m.samples, b => (u32_at(b, 0), f32s::<1>(b, 4)), r => (r.clip, [r.seconds]));
-    same!(b"CBND", m.clip_bounds, b => (f32s::<3>(b, 0), f32s::<3>(b, 12), u32s::<2>(b, 24)), r => (
-        r.bounds.min, r.bounds.max, [r.known, r.reserved],
+    same!(b"CBND", m.clip_bounds, b => (f32s::<3>(b, 0), f32s::<3>(b, 12), f32s::<4>(b, 24), u32_at(b, 40)), r => (
+        r.bounds.min, r.bounds.max, [r.reach[0], r.reach[1], r.reach[2], r.rest_reach], r.known,
     ));
     same!(b"CACH", m.caches, b => (u32s::<5>(b, 0), f32s::<1>(b, 20), u32s::<2>(b, 24)), r => (
         [r.part, r.bone, r.key_count, r.segment_first, r.segment_count], [r.position_error], r.reserved,

@@ -236,7 +236,12 @@ rules! {
         |m| m.clip_bounds[1].bounds.max[2] = 0.0 => at!(ClipBounds, 1, UnknownBounds),
     clip_bounds_are_known_or_not:
         |m| m.clip_bounds[0].known = 2 => at!(ClipBounds, 0, UnknownNumber { field: "known", found: 2, limit: 2 }),
-    clip_bounds_reserved_is_zero: |m| m.clip_bounds[1].reserved = 1 => at!(ClipBounds, 1, ReservedNotZero { .. }),
+    clip_bounds_reach_no_less_than_nothing:
+        |m| m.clip_bounds[0].reach[2] = -1.0 => at!(ClipBounds, 0, Negative { field: "reach", .. }),
+    clip_bounds_reach_finitely_far:
+        |m| m.clip_bounds[2].rest_reach = f32::NAN => at!(ClipBounds, 2, NotFinite { field: "rest_reach", .. }),
+    clip_bounds_reach_nowhere_where_they_are_unknown:
+        |m| m.clip_bounds[1].reach[0] = 1.0 => at!(ClipBounds, 1, UnknownBounds),
 
     cluster_bones_in_frames_are_in_range:
         |m| m.clusters[1].bone = 3 => at!(Clusters, 1, IndexOutOfRange { field: "bone", .. }),

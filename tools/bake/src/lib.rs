@@ -4,6 +4,7 @@
 mod assemble;
 mod bounds;
 mod caches;
+mod clip_bounds;
 mod cost;
 mod error;
 mod fuzzy_tree;

@@ -3,6 +3,7 @@ use crate::{
     assemble::assemble,
     bounds::{Poses, bound_by_envelopes},
     caches::add_caches,
+    clip_bounds::clip_bounds,
     import::Animation,
     motion::{Carried, Moving, classify, decompose, with_morph_caches},
     poses::{self, BoneSpans},
@@ -94,6 +95,10 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
     }
     lap(&mut seconds.caches);
 
+    progress.stage("bound clips", model.clips.len() as u64);
+    model.clip_bounds = clip_bounds(&model, progress);
+    lap(&mut seconds.clip_bounds);
+
     model.hashes = Hashes {
         source: animation.source_hash,
         options: settings.hash(&animation.import_options),
@@ -104,6 +109,8 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
     model.meta.bounds = settings.bounds;
     model.meta.tree = settings.tree;
 
+    let of_clips = model.clip_bounds.iter().take(model.clips.len());
+    let bounded_clips = of_clips.filter(|clip| clip.is_known()).count();
     let reasons = classes.into_iter().map(|class| class.reason);
     let parts = part_reports(&model, &carried, reasons.zip(caches));
     let report = BakeReport {
@@ -116,6 +123,8 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
         random_poses: random_pose_count,
         fuzzy_box_area: parts.iter().map(|part| part.fuzzy_box_area).sum(),
         parts,
+        clips: model.clips.len() as u64,
+        clips_bounded: bounded_clips as u64,
         tree_nodes: (model.kd_nodes.len() + model.wide_nodes.len()) as u64,
         tree_references: model.references.len() as u64,
         seconds,

@@ -21,6 +21,10 @@ pub struct BakeReport {
     pub samples: u64,
     /// Random ones among them.
     pub random_poses: u64,
+    /// Clips in the file.
+    pub clips: u64,
+    /// Those of them during which the file bounds the asset, so that an instance that plays one has a box without a pose.
+    pub clips_bounded: u64,
     /// Sum of the surface areas of all fuzzy boxes, square scene units.
     pub fuzzy_box_area: f64,
     /// Nodes of all fuzzy trees.
@@ -69,6 +73,8 @@ pub struct StageSeconds {
     pub build: f64,
     /// Vertex caches: clusters, tracks, positions, boxes and trees.
     pub caches: f64,
+    /// Bounds of whole clips.
+    pub clip_bounds: f64,
 }
 
 fn class_name<S: serde::Serializer>(class: &MotionClass, serializer: S) -> Result<S::Ok, S::Error> {

@@ -12,6 +12,7 @@ mod span;
 mod span_map;
 #[cfg(test)]
 mod tests;
+mod world_span;
 
 pub use joint_limits::{JointLimits, JointLimitsError, JointRange};
 pub(crate) use pose::{SampledPose, evaluate};
@@ -22,3 +23,4 @@ pub(crate) use sample_times::sample_rows;
 #[cfg(test)]
 use span::spans_with_times;
 pub(crate) use span::{Span, spans};
+pub(crate) use world_span::{WorldSpan, number_error};

@@ -92,7 +92,7 @@ impl SpanMap {
 }
 
 /// The linear part of `a` times `b`, plus the translation of `offset`.
-fn product(a: &Numbers, b: &Numbers, offset: &Numbers) -> Numbers {
+pub(super) fn product(a: &Numbers, b: &Numbers, offset: &Numbers) -> Numbers {
     std::array::from_fn(|n| {
         let (j, k) = (n / 3, n % 3);
         let linear = a[k] * b[3 * j] + a[3 + k] * b[3 * j + 1] + a[6 + k] * b[3 * j + 2];
@@ -100,13 +100,15 @@ fn product(a: &Numbers, b: &Numbers, offset: &Numbers) -> Numbers {
     })
 }
 
-/// A number over a span of time; fields as in [`SpanMap`].
+/// A number over a span of time; fields as in [`SpanMap`], and one more.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct SpanNumber {
     pub begin: f64,
     pub end: f64,
     pub rate: f64,
     pub curvature: f64,
+    /// Bounds the sum of the magnitudes that enter it: rounding is relative to that.
+    pub terms: f64,
 }
 
 impl SpanNumber {
@@ -116,6 +118,7 @@ impl SpanNumber {
             end: value,
             rate: 0.0,
             curvature: 0.0,
+            terms: value.abs(),
         }
     }
 
@@ -148,6 +151,7 @@ impl SpanNumber {
             end: 1.0 / self.end,
             rate: self.rate / (nearest * nearest),
             curvature: (2.0 * self.rate * self.rate / nearest + self.curvature) / (nearest * nearest),
+            terms: self.terms / (nearest * nearest),
         };
         (out.begin.is_finite() && out.end.is_finite() && out.curvature.is_finite()).then_some(out)
     }
@@ -183,12 +187,14 @@ mod tests {
                 end: place(1.0)[k],
                 rate: shift[k].abs() + if k == 0 { 2.0 * bend.abs() } else { 0.0 },
                 curvature: if k == 0 { 2.0 * bend.abs() } else { 0.0 },
+                terms: 0.0,
             };
             let size = SpanNumber {
                 begin: scale[0],
                 end: scale[1],
                 rate: (scale[1] - scale[0]).abs(),
                 curvature: 0.0,
+                terms: 0.0,
             };
             let turned = |s: f64| glam::DMat3::from_axis_angle(axis, angle * s).to_cols_array_2d();
             let rotation = SpanMap::rotation(turned(0.0), turned(1.0), angle.abs(), 0.0);
@@ -226,6 +232,7 @@ mod tests {
             end,
             rate: 1.0,
             curvature,
+            terms: 0.0,
         };
         assert!(number(1.0, 2.0, 0.0).inverted().is_some() && number(-1.0, -2.0, 7.9).inverted().is_some());
         assert_eq!(number(-1.0, 1.0, 0.0).inverted(), None);

@@ -42,6 +42,8 @@ struct Made<'a> {
     clusters: u64,
     samples: u64,
     random_poses: u64,
+    clips: u64,
+    clips_bounded: u64,
     fuzzy_box_area: f64,
     tree_nodes: u64,
     tree_references: u64,
@@ -198,6 +200,8 @@ fn made(report: &BakeReport, seconds: Seconds) -> Made<'_> {
         clusters: report.clusters,
         samples: report.samples,
         random_poses: report.random_poses,
+        clips: report.clips,
+        clips_bounded: report.clips_bounded,
         fuzzy_box_area: report.fuzzy_box_area,
         tree_nodes: report.tree_nodes,
         tree_references: report.tree_references,
@@ -220,7 +224,7 @@ fn text(written: &Written, output: &Path, seconds: f64) -> String {
     let caches: Vec<String> = report.parts.iter().filter_map(cache_lines).collect();
     let caches = caches.iter().map(|lines| format!("\n\n{lines}")).collect::<String>();
     format!(
-        "{table}{caches}\n\n{}: {} bytes, {} triangles ({} without area), {} clusters, {} sampled poses ({} random), {seconds:.2} s",
+        "{table}{caches}\n\n{}: {} bytes, {} triangles ({} without area), {} clusters, {} sampled poses ({} random), {} clips ({} bounded), {seconds:.2} s",
         output.display(),
         written.file_bytes,
         report.triangles,
@@ -228,5 +232,7 @@ fn text(written: &Written, output: &Path, seconds: f64) -> String {
         report.clusters,
         report.samples,
         report.random_poses,
+        report.clips,
+        report.clips_bounded,
     )
 }

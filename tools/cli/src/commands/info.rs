@@ -44,6 +44,8 @@ struct Clip {
     start_seconds: f32,
     end_seconds: f32,
     channels: u32,
+    /// Where the asset is during it; none where nothing bounds it.
+    bounds: Option<[[f32; 3]; 2]>,
 }
 
 #[derive(Serialize)]
@@ -105,6 +107,11 @@ fn report(file: String, file_bytes: u64, model: &ModelView<'_>) -> Report {
         start_seconds: clip.start_seconds,
         end_seconds: clip.end_seconds,
         channels: clip.channel_count,
+        bounds: model
+            .clip_bounds
+            .get(row)
+            .filter(|clip| clip.is_known())
+            .map(|clip| [clip.bounds.min, clip.bounds.max]),
     });
     let clusters = model.clusters.iter().enumerate().map(|(row, cluster)| Cluster {
         bone: cluster.bone,
@@ -225,13 +232,14 @@ fn text(report: &Report) -> String {
             part.clusters.to_string(),
         ]);
     }
-    let mut clips = Table::new(["clip", "from s", "to s", "channels"]);
+    let mut clips = Table::new(["clip", "from s", "to s", "channels", "bounded"]);
     for clip in &report.clips {
         clips.add([
             clip.name.clone(),
             format!("{:.3}", clip.start_seconds),
             format!("{:.3}", clip.end_seconds),
             clip.channels.to_string(),
+            if clip.bounds.is_some() { "yes" } else { "no" }.to_owned(),
         ]);
     }
     let mut caches = Table::new([
