@@ -16,7 +16,7 @@ pub use bake::BakeArgs;
 pub use builders::BuildersArgs;
 pub use demo::DemoArgs;
 pub use file::{InfoArgs, ValidateArgs};
-pub use measure::{FrameArgs, MeasureArgs, MeasureTable, MotionArgs, PosesArgs};
+pub use measure::{MeasureArgs, MeasureTable, MotionArgs, PosesArgs, TessellationsArgs};
 pub use poses::{BoundsKind, PoseArgs, PoseSpaceKind};
 pub use render::{RenderArgs, SamplesPerPixel, View};
 pub use values::{Size, Vector};

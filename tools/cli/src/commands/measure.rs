@@ -1,6 +1,6 @@
 use super::Context;
 use crate::{
-    args::{BuildersArgs, FrameArgs, MeasureArgs, MeasureTable, MotionArgs, PosesArgs},
+    args::{BuildersArgs, MeasureArgs, MeasureTable, MotionArgs, PosesArgs, TessellationsArgs},
     exit_code::ExitCode,
     failure::Failure,
     input_file,
@@ -14,9 +14,9 @@ use restpose_bake::{BakeSettings, import::import};
 use restpose_measure::{
     MeasureError, TextRow,
     builders::{self, BuilderScene, BuildersReport, BuildersSettings, measure_builders},
-    frame::{self, FrameReport, FrameSettings, measure_frame},
     motion::{self, MotionReport, MotionSettings, measure_motion},
     poses::{self, PosesReport, PosesSettings, measure_poses},
+    tessellations::{self, TessellationsReport, TessellationsSettings, measure_tessellations},
 };
 use serde::Serialize;
 use std::{
@@ -35,30 +35,30 @@ struct Report<'a, M> {
 /// Measures one table.
 pub fn run(args: &MeasureArgs, context: &Context) -> Result<Answer, Failure> {
     match &args.table {
-        MeasureTable::Frame(args) => frame(args, context),
+        MeasureTable::Tessellations(args) => tessellations(args, context),
         MeasureTable::Motion(args) => motion(args, context),
         MeasureTable::Poses(args) => poses(args, context),
         MeasureTable::Builders(args) => builders(args, context),
     }
 }
 
-fn frame(args: &FrameArgs, context: &Context) -> Result<Answer, Failure> {
+fn tessellations(args: &TessellationsArgs, context: &Context) -> Result<Answer, Failure> {
     input_file::check(&args.source)?;
     let folder = args.output.as_deref().map(OutputFolder::prepare).transpose()?;
     context.reporter.stage("import", 0);
     let source = import(&args.source).map_err(|error| Failure::import(&args.source, error))?;
-    let mut settings = FrameSettings {
+    let mut settings = TessellationsSettings {
         subdivide_max: args.subdivide,
         frames: usize::from(args.frames),
-        ..FrameSettings::default()
+        ..TessellationsSettings::default()
     };
     if !args.thread_counts.is_empty() {
         settings.threads = args.thread_counts.iter().copied().map(NonZeroUsize::get).collect();
     }
-    let measured =
-        measure_frame(&source.animation, &settings, &context.reporter).map_err(|error| failure(&args.source, error))?;
-    let files = write("frame", &measured, &frame::page(&measured), folder)?;
-    answer(&measured, frame_lines(&measured), &files, context)
+    let measured = measure_tessellations(&source.animation, &settings, &context.reporter)
+        .map_err(|error| failure(&args.source, error))?;
+    let files = write("tessellations", &measured, &tessellations::page(&measured), folder)?;
+    answer(&measured, tessellations_lines(&measured), &files, context)
 }
 
 fn motion(args: &MotionArgs, context: &Context) -> Result<Answer, Failure> {
@@ -228,12 +228,12 @@ fn failure(source: &Path, error: MeasureError) -> Failure {
     Failure::at(code, source, format!("{}: {error}", source.display()))
 }
 
-fn frame_lines(measured: &FrameReport) -> Vec<String> {
-    let mut table = Table::new(frame::COLUMNS);
+fn tessellations_lines(measured: &TessellationsReport) -> Vec<String> {
+    let mut table = Table::new(tessellations::COLUMNS);
     for row in &measured.rows {
         table.add(row.cells());
     }
-    vec![table.to_string(), String::new(), frame::LEGEND.to_owned()]
+    vec![table.to_string(), String::new(), tessellations::LEGEND.to_owned()]
 }
 
 fn motion_lines(measured: &MotionReport) -> Vec<String> {

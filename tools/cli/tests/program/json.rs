@@ -118,13 +118,13 @@ fn verify_prints_its_keys_and_the_failures() {
 }
 
 #[test]
-fn measure_frame_prints_its_keys() {
+fn measure_tessellations_prints_its_keys() {
     let folder = folder();
     door(folder.path());
     let least = ["--subdivide", "0", "--frames", "1", "--thread-counts", "1", "-o", "out"];
-    let measure = [&["measure", "frame", "door.gltf"], &least[..]].concat();
-    agree("measure frame", folder.path(), &[&measure]);
-    for name in ["frame.html", "frame.json"] {
+    let measure = [&["measure", "tessellations", "door.gltf"], &least[..]].concat();
+    agree("measure tessellations", folder.path(), &[&measure]);
+    for name in ["tessellations.html", "tessellations.json"] {
         assert!(folder.path().join("out").join(name).is_file(), "{name}");
     }
 }

@@ -1,4 +1,4 @@
-use super::{COLUMNS, FrameReport, FrameRow, LEGEND};
+use super::{COLUMNS, LEGEND, TessellationRow, TessellationsReport};
 use crate::{
     page::{OURS, STATIC, document, table},
     plot::{Plot, Scale, Series, escape},
@@ -6,7 +6,7 @@ use crate::{
 
 /// The report as one HTML page without scripts: its rows, and plots against the number of triangles.
 #[must_use]
-pub fn page(report: &FrameReport) -> String {
+pub fn page(report: &TessellationsReport) -> String {
     let settings = &report.settings;
     let mut body = format!(
         "<p>{LEGEND}.</p>\n<p>{frames} frames, {side} × {side} camera rays and {random} random rays each, medians of \
@@ -23,11 +23,11 @@ pub fn page(report: &FrameReport) -> String {
     document(&format!("Cost of a frame: {}", escape(&report.source)), &body)
 }
 
-fn plots(report: &FrameReport) -> Vec<Plot> {
+fn plots(report: &TessellationsReport) -> Vec<Plot> {
     let mut threads: Vec<usize> = report.rows.iter().map(|row| row.threads).collect();
     threads.sort_unstable();
     threads.dedup();
-    let series = |threads: usize, name: &str, colour, dashed, value: &dyn Fn(&FrameRow) -> f64| Series {
+    let series = |threads: usize, name: &str, colour, dashed, value: &dyn Fn(&TessellationRow) -> f64| Series {
         name: name.to_owned(),
         colour,
         dashed,

@@ -1,18 +1,18 @@
-use super::FrameSettings;
+use super::TessellationsSettings;
 use crate::RayCost;
 use serde::{Serialize, Serializer, ser::SerializeMap};
 
-/// What [`measure_frame`](super::measure_frame) measured.
+/// What [`measure_tessellations`](super::measure_tessellations) measured.
 #[derive(Clone, Debug, Serialize)]
-pub struct FrameReport {
+pub struct TessellationsReport {
     /// Name and version of this object's form.
     pub schema: &'static str,
     /// File name of the source.
     pub source: String,
     /// What was asked for.
-    pub settings: FrameSettings,
+    pub settings: TessellationsSettings,
     /// By subdivisions, then by threads.
-    pub rows: Vec<FrameRow>,
+    pub rows: Vec<TessellationRow>,
 }
 
 /// One tessellation on one number of threads. Means are over the rays of all frames.
@@ -20,7 +20,7 @@ pub struct FrameReport {
 /// "Static" is a kd-tree of the same kind built over the posed triangles of the frame at hand and traced by the same
 /// runtime: what a tree built afresh each frame would be.
 #[derive(Clone, Debug)]
-pub struct FrameRow {
+pub struct TessellationRow {
     /// Times that the source's triangles were split into four.
     pub subdivisions: u32,
     /// Triangles.
@@ -55,7 +55,7 @@ pub struct FrameRow {
     pub brute_force_rays: u64,
 }
 
-impl Serialize for FrameRow {
+impl Serialize for TessellationRow {
     /// Flat. `steps_per_ray`, `tests_per_ray` and `clusters_per_ray` without a kind are those of random rays; ratios
     /// are ours over static.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -90,7 +90,7 @@ impl Serialize for FrameRow {
     }
 }
 
-/// Titles of [`FrameRow::cells`].
+/// Titles of [`TessellationRow::cells`].
 pub const COLUMNS: [&str; 15] = [
     "triangles",
     "threads",
@@ -113,7 +113,7 @@ pub const COLUMNS: [&str; 15] = [
 pub const LEGEND: &str = "primary, random: million rays per second; steps, tests, clusters: per random ray; \
                           static: the same rays and a kd-tree built over the posed triangles of that frame";
 
-impl FrameRow {
+impl TessellationRow {
     /// The row as text, short.
     #[must_use]
     pub fn cells(&self) -> [String; COLUMNS.len()] {

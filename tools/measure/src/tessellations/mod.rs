@@ -11,8 +11,8 @@ mod report;
 mod settings;
 
 pub use page::page;
-pub use report::{COLUMNS, FrameReport, FrameRow, LEGEND};
-pub use settings::FrameSettings;
+pub use report::{COLUMNS, LEGEND, TessellationRow, TessellationsReport};
+pub use settings::TessellationsSettings;
 
 use crate::{
     MeasureError, Place,
@@ -35,11 +35,11 @@ use restpose_formats::rows::SampleRow;
 ///
 /// # Errors
 /// [`MeasureError`]: settings out of range, a source that does not bake, or results that disagree.
-pub fn measure_frame(
+pub fn measure_tessellations(
     animation: &Animation,
-    settings: &FrameSettings,
+    settings: &TessellationsSettings,
     progress: &dyn Progress,
-) -> Result<FrameReport, MeasureError> {
+) -> Result<TessellationsReport, MeasureError> {
     settings.check(animation)?;
     let pools = thread_pools(&settings.threads)?;
     let weight = |subdivisions: u32| 1u64 << (2 * subdivisions);
@@ -74,8 +74,8 @@ pub fn measure_frame(
             rows.push(sums.row(&baked, index, pool, settings)?);
         }
     }
-    Ok(FrameReport {
-        schema: "restpose.measure.frame.1",
+    Ok(TessellationsReport {
+        schema: "restpose.measure.tessellations.1",
         source: animation.source_name.clone(),
         settings: settings.clone(),
         rows,

@@ -1,4 +1,4 @@
-//! `measure_frame` on a sample, with settings that take no time.
+//! `measure_tessellations` on a sample, with settings that take no time.
 
 use restpose_bake::{
     NoProgress,
@@ -6,7 +6,7 @@ use restpose_bake::{
 };
 use restpose_measure::{
     MeasureError,
-    frame::{FrameReport, FrameSettings, measure_frame, page},
+    tessellations::{TessellationsReport, TessellationsSettings, measure_tessellations, page},
 };
 use serde_json::{Value, to_value};
 use std::{path::Path, sync::LazyLock};
@@ -16,8 +16,8 @@ fn walker() -> Animation {
     import(&path).unwrap().animation
 }
 
-fn small() -> FrameSettings {
-    FrameSettings {
+fn small() -> TessellationsSettings {
+    TessellationsSettings {
         subdivide_max: 1,
         threads: vec![1, 2],
         frames: 2,
@@ -29,11 +29,11 @@ fn small() -> FrameSettings {
     }
 }
 
-fn measured() -> FrameReport {
-    measure_frame(&walker(), &small(), &NoProgress).unwrap()
+fn measured() -> TessellationsReport {
+    measure_tessellations(&walker(), &small(), &NoProgress).unwrap()
 }
 
-static MEASURED: LazyLock<FrameReport> = LazyLock::new(measured);
+static MEASURED: LazyLock<TessellationsReport> = LazyLock::new(measured);
 
 /// The row's numbers that no clock has touched.
 fn timeless(mut row: Value) -> Value {
@@ -46,7 +46,8 @@ fn timeless(mut row: Value) -> Value {
 
 #[test]
 fn rows_go_by_subdivisions_then_threads_and_their_counts_repeat() {
-    let rows = |report: &FrameReport| -> Vec<Value> { report.rows.iter().map(|row| to_value(row).unwrap()).collect() };
+    let rows =
+        |report: &TessellationsReport| -> Vec<Value> { report.rows.iter().map(|row| to_value(row).unwrap()).collect() };
     let first = &*MEASURED;
     let order: Vec<_> = first.rows.iter().map(|row| (row.subdivisions, row.threads)).collect();
     assert_eq!(order, [(0, 1), (0, 2), (1, 1), (1, 2)]);
@@ -70,7 +71,7 @@ fn rows_go_by_subdivisions_then_threads_and_their_counts_repeat() {
 #[test]
 fn keys_that_scripts_rely_on_are_there_and_positive() {
     let report = to_value(&*MEASURED).unwrap();
-    assert_eq!(report["schema"], "restpose.measure.frame.1");
+    assert_eq!(report["schema"], "restpose.measure.tessellations.1");
     assert_eq!(report["source"], "walker.glb");
     for row in report["rows"].as_array().unwrap() {
         for key in [
@@ -122,10 +123,10 @@ fn page_shows_every_row_and_a_plot_per_thread_count() {
 
 #[test]
 fn settings_out_of_range_are_refused() {
-    let refused = |change: fn(&mut FrameSettings), expected: &str| {
+    let refused = |change: fn(&mut TessellationsSettings), expected: &str| {
         let mut settings = small();
         change(&mut settings);
-        match measure_frame(&walker(), &settings, &NoProgress).unwrap_err() {
+        match measure_tessellations(&walker(), &settings, &NoProgress).unwrap_err() {
             MeasureError::Setting { name, .. } => assert_eq!(name, expected),
             other => panic!("{expected}: {other}"),
         }
@@ -145,11 +146,11 @@ fn more_triangles_than_memory_are_refused_before_they_are_made() {
     let mut animation = walker();
     let triangles = &mut animation.meshes[0].primitives[0].triangles;
     triangles.resize(40_000, [0, 1, 2]);
-    let settings = FrameSettings {
+    let settings = TessellationsSettings {
         subdivide_max: 5,
         ..small()
     };
-    let error = measure_frame(&animation, &settings, &NoProgress).unwrap_err();
+    let error = measure_tessellations(&animation, &settings, &NoProgress).unwrap_err();
     assert!(
         matches!(error, MeasureError::TooManyTriangles { subdivisions: 5, .. }),
         "{error}"

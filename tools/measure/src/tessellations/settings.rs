@@ -6,9 +6,9 @@ use crate::{
 use restpose_bake::import::Animation;
 use serde::Serialize;
 
-/// What [`measure_frame`](super::measure_frame) measures.
+/// What [`measure_tessellations`](super::measure_tessellations) measures.
 #[derive(Clone, Debug, Serialize)]
-pub struct FrameSettings {
+pub struct TessellationsSettings {
     /// The mesh is measured subdivided 0 to this many times. Default 3, at most 5.
     pub subdivide_max: u32,
     /// Thread counts, a row each. Default 1 and the current pool's, each at most 1,024.
@@ -28,7 +28,7 @@ pub struct FrameSettings {
     pub seed: u64,
 }
 
-impl Default for FrameSettings {
+impl Default for TessellationsSettings {
     fn default() -> Self {
         Self {
             subdivide_max: 3,
@@ -43,7 +43,7 @@ impl Default for FrameSettings {
     }
 }
 
-impl FrameSettings {
+impl TessellationsSettings {
     pub(super) fn check(&self, animation: &Animation) -> Result<(), MeasureError> {
         let at_least_one = |name, found| MeasureError::check_setting(name, found, 1, u64::MAX, "1 or more");
         check_subdivisions("subdivide_max", self.subdivide_max, animation)?;
