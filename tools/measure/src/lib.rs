@@ -3,7 +3,10 @@
 pub mod builders;
 mod checked_rays;
 mod clock;
+#[cfg(feature = "peers")]
+mod embree;
 mod error;
+pub mod frame;
 pub mod motion;
 mod page;
 mod peak_memory;

@@ -1,5 +1,5 @@
 use super::{
-    BuildersArgs,
+    BuildersArgs, FrameArgs,
     keyframed::{KeptFramesArgs, KeyframedArgs},
     values::{self, ClassOverride},
 };
@@ -17,6 +17,9 @@ pub struct MeasureArgs {
 /// What to measure.
 #[derive(Debug, Subcommand)]
 pub enum MeasureTable {
+    /// Whole frames against their number of rays, every strategy
+    #[command(after_help = ExitCode::table())]
+    Frame(FrameArgs),
     /// Frame updates and rays against the number of triangles, beside a static tree built anew for each frame
     #[command(after_help = ExitCode::table())]
     Tessellations(TessellationsArgs),

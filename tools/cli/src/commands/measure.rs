@@ -1,4 +1,4 @@
-use super::Context;
+use super::{Context, measure_frame};
 use crate::{
     args::{BuildersArgs, MeasureArgs, MeasureTable, MotionArgs, PosesArgs, TessellationsArgs},
     exit_code::ExitCode,
@@ -35,6 +35,7 @@ struct Report<'a, M> {
 /// Measures one table.
 pub fn run(args: &MeasureArgs, context: &Context) -> Result<Answer, Failure> {
     match &args.table {
+        MeasureTable::Frame(args) => measure_frame::run(args, context),
         MeasureTable::Tessellations(args) => tessellations(args, context),
         MeasureTable::Motion(args) => motion(args, context),
         MeasureTable::Poses(args) => poses(args, context),
@@ -178,7 +179,7 @@ fn builders(args: &BuildersArgs, context: &Context) -> Result<Answer, Failure> {
     answer(&measured, builders_lines(&measured), &files, context)
 }
 
-fn answer(
+pub(super) fn answer(
     measured: &impl Serialize,
     mut lines: Vec<String>,
     files: &[PathBuf],
@@ -194,7 +195,7 @@ fn answer(
 }
 
 /// Writes the page and the report, under this name, into the folder if there is one.
-fn write(
+pub(super) fn write(
     name: &str,
     measured: &impl Serialize,
     page: &str,
@@ -214,15 +215,19 @@ fn write(
     folder.publish()
 }
 
-fn failure(source: &Path, error: MeasureError) -> Failure {
+pub(super) fn failure(source: &Path, error: MeasureError) -> Failure {
     let code = match &error {
         MeasureError::Bake(error) => return Failure::bake(source, error),
         MeasureError::Setting { .. }
         | MeasureError::TooManyTriangles { .. }
         | MeasureError::UnknownBuilder { .. }
+        | MeasureError::UnknownStrategy { .. }
+        | MeasureError::NoStrategy { .. }
         | MeasureError::NoReference { .. } => ExitCode::CommandLine,
         MeasureError::NoClip { .. } | MeasureError::Boxes { .. } => ExitCode::InvalidInput,
-        MeasureError::WrongHit(_) | MeasureError::WrongTreeHit(_) => ExitCode::VerificationFailed,
+        MeasureError::WrongHit(_) | MeasureError::WrongTreeHit(_) | MeasureError::WrongFrame { .. } => {
+            ExitCode::VerificationFailed
+        }
         _ => ExitCode::Internal,
     };
     Failure::at(code, source, format!("{}: {error}", source.display()))
@@ -267,7 +272,7 @@ fn builders_lines(measured: &BuildersReport) -> Vec<String> {
     .concat()
 }
 
-fn rows_lines<const N: usize, R: TextRow<N>>(rows: &[R]) -> Vec<String> {
+pub(super) fn rows_lines<const N: usize, R: TextRow<N>>(rows: &[R]) -> Vec<String> {
     if rows.is_empty() {
         return Vec::new();
     }

@@ -1,0 +1,115 @@
+#![expect(unsafe_code, reason = "maps a file that it has just written")]
+
+use super::{
+    ours::STRATEGIES,
+    scene::{File, FrameScene},
+    settings::FrameSettings,
+};
+use crate::{MeasureError, peak_memory::resident_bytes, statistics::median};
+use restpose_runtime::{Affine, Asset, Scene};
+use serde::Serialize;
+use std::{io::Write, sync::Arc, time::Instant};
+
+/// Times that a file is opened; the median counts.
+const OPENINGS: usize = 5;
+
+/// Memory by which a scene must have grown before the growth says what an instance takes: what was freed before is used
+/// up by then.
+const GROWTH_BYTES: u64 = 64 << 20;
+
+/// Instances that are added at most to find out.
+const MOST_INSTANCES: usize = 1 << 15;
+
+/// What a file costs, rays aside.
+#[derive(Clone, Debug, Serialize)]
+pub struct Glance {
+    /// File name of the source.
+    pub scene: String,
+    /// A strategy of the runtime that takes such a file.
+    pub strategy: &'static str,
+    /// Of one instance, degenerate ones included.
+    pub triangles: u64,
+    /// Of one instance.
+    pub vertices: u64,
+    /// Maps of a palette.
+    pub bones: u64,
+    /// Length of the file.
+    pub file_bytes: u64,
+    /// Bake without import; 0 where it was baked before.
+    pub bake_seconds: f64,
+    /// Mapping and checking the file, its pages in memory: median, microseconds.
+    pub open_us: f64,
+    /// The same per 2³⁰ bytes.
+    pub open_seconds_per_gib: f64,
+    /// Palette, morph weights and frames of vertex caches of an instance.
+    pub pose_bytes: u64,
+    /// Memory that a further instance takes beside these, posed and committed, no ray yet; null where the system does not
+    /// say.
+    pub bytes_per_instance: Option<f64>,
+}
+
+/// A row per strategy.
+pub(super) fn glances(scene: &mut FrameScene, settings: &FrameSettings) -> Result<Vec<Glance>, MeasureError> {
+    let mut out = Vec::new();
+    for strategy in STRATEGIES.iter().filter(|strategy| settings.chosen(strategy.name)) {
+        let Some(file) = scene.file(strategy.bake)? else {
+            continue;
+        };
+        let model = file.asset.model();
+        let pose_bytes = model.bones.len() * size_of::<Affine>()
+            + model.morph_targets.len() * size_of::<f32>()
+            + model.caches.len() * size_of::<f64>();
+        let open_seconds = open_seconds(&file)?;
+        out.push(Glance {
+            scene: scene.name.clone(),
+            strategy: strategy.name,
+            triangles: model.triangles.len() as u64,
+            vertices: model.vertices.len() as u64 - 1,
+            bones: model.bones.len() as u64,
+            file_bytes: file.bytes.len() as u64,
+            bake_seconds: file.bake_seconds,
+            open_us: 1e6 * open_seconds,
+            open_seconds_per_gib: open_seconds / file.bytes.len() as f64 * (1u64 << 30) as f64,
+            pose_bytes: pose_bytes as u64,
+            bytes_per_instance: bytes_per_instance(&file.asset, strategy.choose).map(|bytes| bytes - pose_bytes as f64),
+        });
+    }
+    Ok(out)
+}
+
+fn open_seconds(file: &File) -> Result<f64, MeasureError> {
+    let fault = |error: &dyn std::fmt::Display| MeasureError::Reopen {
+        fault: error.to_string(),
+    };
+    let mut copy = tempfile::NamedTempFile::new().map_err(|error| fault(&error))?;
+    copy.write_all(&file.bytes).map_err(|error| fault(&error))?;
+    let mut times = Vec::with_capacity(OPENINGS);
+    for _ in 0..OPENINGS {
+        let start = Instant::now();
+        // SAFETY: the file is ours, written whole, and stays as it is until all assets are gone.
+        let asset = unsafe { Asset::map(copy.path()) };
+        times.push(start.elapsed().as_secs_f64());
+        asset.map_err(|error| fault(&error))?;
+    }
+    Ok(median(&mut times))
+}
+
+/// Memory of an instance, pose included: the slope between half of the instances and all, of as many as it takes to see it.
+fn bytes_per_instance(asset: &Arc<Asset>, choose: fn(&mut Scene)) -> Option<f64> {
+    let before = resident_bytes()?;
+    let mut scene = Scene::new();
+    choose(&mut scene);
+    let (mut count, mut half) = (0usize, (0usize, before));
+    loop {
+        let now = resident_bytes()?;
+        if now.saturating_sub(before) >= GROWTH_BYTES || count >= MOST_INSTANCES {
+            return Some((now as f64 - half.1 as f64) / (count - half.0).max(1) as f64);
+        }
+        half = (count, now);
+        for _ in 0..count.max(16) {
+            scene.add(asset);
+            count += 1;
+        }
+        scene.commit();
+    }
+}

@@ -1,0 +1,97 @@
+use super::{
+    contestant::{Contestant, Tracing},
+    crowd::Crowd,
+    scene::File,
+};
+use crate::MeasureError;
+use rayon::prelude::*;
+use restpose_bake::BakeSettings;
+use restpose_runtime::{Hit, InstanceId, Ray, Scene, TraceCounters};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+/// A way in which the runtime can be used.
+pub(super) struct Strategy {
+    /// As in tables, after `restpose`.
+    pub name: &'static str,
+    /// What the file must be baked with; `None`: as it is.
+    pub bake: Option<fn(&mut BakeSettings)>,
+    /// What is asked of the scene.
+    pub choose: fn(&mut Scene),
+}
+
+/// All strategies of the runtime, a line each.
+pub(super) const STRATEGIES: &[Strategy] = &[Strategy {
+    name: "restpose-kd",
+    bake: None,
+    choose: |_| {},
+}];
+
+/// The runtime.
+pub(super) struct Ours {
+    crowd: Arc<Crowd>,
+    scene: Scene,
+    instances: Vec<InstanceId>,
+    rays: Vec<Ray>,
+    hits: Vec<Option<Hit>>,
+}
+
+impl Ours {
+    pub(super) fn new(crowd: &Arc<Crowd>, file: &File, strategy: &Strategy) -> Result<Self, MeasureError> {
+        let (mut scene, instances) = crowd.scene(&file.asset)?;
+        (strategy.choose)(&mut scene);
+        Ok(Self {
+            crowd: Arc::clone(crowd),
+            scene,
+            instances,
+            rays: Vec::new(),
+            hits: Vec::new(),
+        })
+    }
+}
+
+impl Contestant for Ours {
+    fn set_rays(&mut self, rays: &[Ray], _tracing: Tracing) {
+        self.rays.clear();
+        self.rays.extend_from_slice(rays);
+        self.hits.resize(rays.len(), None);
+    }
+
+    fn frame(&mut self, pose: usize) -> Result<Duration, MeasureError> {
+        let start = Instant::now();
+        self.crowd.pose(&mut self.scene, &self.instances, pose)?;
+        let frame = self.scene.commit();
+        let update = start.elapsed();
+        frame.closest_hits(&self.rays, &mut self.hits);
+        Ok(update)
+    }
+
+    fn distances(&self) -> Vec<f32> {
+        self.hits
+            .iter()
+            .map(|hit| hit.map_or(f32::INFINITY, |hit| hit.t))
+            .collect()
+    }
+
+    fn hits(&self) -> Option<&[Option<Hit>]> {
+        Some(&self.hits)
+    }
+
+    fn counted(&mut self, pose: usize) -> Result<Option<TraceCounters>, MeasureError> {
+        self.crowd.pose(&mut self.scene, &self.instances, pose)?;
+        let frame = self.scene.commit();
+        let one = |(ray, hit): (&Ray, &mut Option<Hit>)| {
+            let mut counters = TraceCounters::default();
+            *hit = frame.closest_hit_counted(ray, &mut counters);
+            counters
+        };
+        let sum = |mut a: TraceCounters, b| {
+            a += b;
+            a
+        };
+        let counters = self.rays.par_iter().zip(&mut self.hits).map(one);
+        Ok(Some(counters.reduce(TraceCounters::default, sum)))
+    }
+}
