@@ -1,4 +1,5 @@
 use crate::{
+    meta::TreeKind,
     meta_codec::MetaFault,
     row_fault::RowFault,
     section::{SECTION_ALIGN, SectionCode, SectionKind},
@@ -304,6 +305,19 @@ pub enum FormatError {
         section: SectionKind,
         /// Rows.
         found: u64,
+    },
+    /// Rows of one kind of trees in a file of another.
+    #[error(
+        "section {section} has {found} rows, expected none, for the metadata says that trees are {}; {RE_BAKE}",
+        tree.name()
+    )]
+    RowsOfOtherTrees {
+        /// Section.
+        section: SectionKind,
+        /// Rows.
+        found: u64,
+        /// The file's kind of trees.
+        tree: TreeKind,
     },
     /// A row breaks a rule.
     #[error("section {section}, row {row}: {fault}; {RE_BAKE}")]

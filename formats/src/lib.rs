@@ -24,7 +24,7 @@ mod write;
 pub use aligned_bytes::AlignedBytes;
 pub use error::FormatError;
 pub use header::{FEATURE_SAMPLED_BOUNDS, Header, KNOWN_REQUIRED_FEATURES, MAGIC};
-pub use meta::{Bounds, Meta};
+pub use meta::{Bounds, Meta, TreeKind};
 pub use meta_codec::{META_LIMIT, MetaFault};
 pub use model::{Hashes, Model, ModelView};
 pub use read::read;

@@ -11,6 +11,31 @@ pub enum Bounds {
     Envelope,
 }
 
+/// What the fuzzy trees of a file are; all are of one kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TreeKind {
+    /// kd-trees whose leaves list triangles: rows of kd nodes, references and their boxes.
+    #[default]
+    Kd,
+    /// Eight-wide hierarchies with a triangle per leaf: rows of wide nodes; the references list the same triangles.
+    Wide,
+}
+
+impl TreeKind {
+    /// All kinds, in the order of their numbers.
+    pub const ALL: [Self; 2] = [Self::Kd, Self::Wide];
+
+    /// The name that options and reports use.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Kd => "kd",
+            Self::Wide => "wide",
+        }
+    }
+}
+
 /// Everything in a file that is not a bulk array.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Meta {
@@ -28,6 +53,8 @@ pub struct Meta {
     pub clip_names: Vec<String>,
     /// How the fuzzy boxes were bounded.
     pub bounds: Bounds,
+    /// What the fuzzy trees are.
+    pub tree: TreeKind,
     /// Triangles that have no area in any pose: kept in the numbering, in no tree.
     pub degenerate_triangle_count: u32,
 }
@@ -42,6 +69,7 @@ impl Default for Meta {
             bone_names: Vec::new(),
             clip_names: Vec::new(),
             bounds: Bounds::Sampled,
+            tree: TreeKind::Kd,
             degenerate_triangle_count: 0,
         }
     }

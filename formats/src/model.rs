@@ -1,10 +1,10 @@
 use crate::{
     Meta,
     rows::{
-        BoneEnvelopeRow, BoneRow, CacheRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterMorphRow, ClusterRow,
-        InfluenceRow, KdNodeRow, KeyRow, KeyVertexRow, LeverRow, MorphDeltaRow, MorphEnvelopeRow, MorphSetRow,
-        MorphTargetRow, NodeRow, PartRow, PoseSpaceRow, PrimitiveRow, ReferenceBoxRow, SampleRow, SegmentRow, TrackRow,
-        TriangleRow, VertexRow,
+        BoneEnvelopeRow, BoneRow, CacheRow, ChannelRow, ClipBoundsRow, ClipRow, ClusterBoneRow, ClusterMorphRow,
+        ClusterRow, InfluenceRow, KdNodeRow, KeyRow, KeyVertexRow, LeverRow, MorphDeltaRow, MorphEnvelopeRow,
+        MorphSetRow, MorphTargetRow, NodeRow, PartRow, PoseSpaceRow, PrimitiveRow, ReferenceBoxRow, SampleRow,
+        SegmentRow, TrackRow, TriangleRow, VertexRow, WideNodeRow,
     },
 };
 
@@ -124,6 +124,8 @@ sections! {
     key_values: f32,
     /// Poses from which the fuzzy boxes were made.
     samples: SampleRow,
+    /// Bounds of each clip and, last, of the pose without any clip; empty where none are known.
+    clip_bounds: ClipBoundsRow,
     /// Vertex caches, one per part that has one.
     caches: CacheRow,
     /// Time segments of all caches.
@@ -140,11 +142,13 @@ sections! {
     clusters: ClusterRow,
     /// Bones that move each cluster's vertices.
     cluster_bones: ClusterBoneRow,
-    /// Nodes of all fuzzy trees.
+    /// Nodes of all fuzzy trees, where these are kd-trees.
     kd_nodes: KdNodeRow,
-    /// Triangle ids in the leaves of all fuzzy trees.
+    /// Nodes of all fuzzy trees, where these are wide.
+    wide_nodes: WideNodeRow,
+    /// Triangle ids in the leaves of all fuzzy trees, and those in free motion.
     references: u32,
-    /// Fuzzy box of each reference's triangle.
+    /// Fuzzy box of each reference's triangle; empty in wide trees, whose nodes have it.
     reference_boxes: ReferenceBoxRow,
     /// Pose space of each cluster without a track; empty, like the four that follow, where the boxes are sampled.
     pose_spaces: PoseSpaceRow,

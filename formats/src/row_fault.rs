@@ -229,6 +229,22 @@ pub enum RowFault {
         /// Row that holds the extent.
         extent_row: u64,
     },
+    /// A value lies outside of the box that stands for it.
+    #[error("`{field}` is {found} on axis {axis}, expected {min} to {max}, the box of row {box_row}")]
+    OutsideBox {
+        /// Field.
+        field: &'static str,
+        /// 0, 1 or 2.
+        axis: usize,
+        /// Value.
+        found: f32,
+        /// Lower end of the box.
+        min: f32,
+        /// Upper end of the box.
+        max: f32,
+        /// Row that holds the box.
+        box_row: u64,
+    },
     /// A box holds no point.
     #[error("`{field}` is empty on axis {axis}: it reaches from {min} to {max}")]
     EmptyBox {
@@ -241,6 +257,9 @@ pub enum RowFault {
         /// Upper end.
         max: f32,
     },
+    /// A box that is not known to hold is not empty.
+    #[error("`known` is 0, expected `bounds` empty: from inf to -inf on every axis")]
+    UnknownBounds,
     /// An interval holds no weight.
     #[error("it is empty: it reaches from {min} to {max}")]
     EmptyInterval {
@@ -381,9 +400,9 @@ pub enum RowFault {
         limit: i32,
     },
     /// A child does not stand behind its parent.
-    #[error("its left child is node {found}, expected above {own}, its own index")]
+    #[error("its child is node {found}, expected above {own}, its own index")]
     ChildNotBehind {
-        /// Left child, from the tree's first node.
+        /// Child, the left one in a kd-tree, from the tree's first node.
         found: u32,
         /// The node, from the tree's first node.
         own: u32,
@@ -404,6 +423,56 @@ pub enum RowFault {
         found: usize,
         /// Inner nodes that are allowed.
         limit: usize,
+    },
+    /// A wide node without children.
+    #[error("all of its places are empty, expected a child")]
+    NoChildren,
+    /// A child stands behind an empty place.
+    #[error("place {place} is in use and stands behind an empty one, expected all empty places last")]
+    PlaceBehindEmpty {
+        /// Place, 0 to 7.
+        place: usize,
+    },
+    /// An empty place has a box.
+    #[error("place {place} is empty and has a box, expected 65535 as each of its coordinates")]
+    BoxOfEmptyPlace {
+        /// Place, 0 to 7.
+        place: usize,
+    },
+    /// A child's box lies outside of the box that its parent gives for it.
+    #[error(
+        "the box of place {place} reaches from {min} to {max} on axis {axis}, expected {least} or more and {greatest} or \
+         less, as the node's parent says"
+    )]
+    OutsideParentsBox {
+        /// Place, 0 to 7.
+        place: usize,
+        /// 0, 1 or 2.
+        axis: usize,
+        /// Lower end.
+        min: u16,
+        /// Upper end.
+        max: u16,
+        /// Lower end of the node's own box.
+        least: u16,
+        /// Upper end of the node's own box.
+        greatest: u16,
+    },
+    /// A leaf is not of the triangle that the references say.
+    #[error("place {place} is a leaf of triangle {found}, expected {expected}, the next of the cluster's references")]
+    LeafNotReferenced {
+        /// Place, 0 to 7.
+        place: usize,
+        /// Triangle row.
+        found: u32,
+        /// Triangle row that the references name.
+        expected: u32,
+    },
+    /// A tree has more leaves than its cluster has references.
+    #[error("place {place} is a leaf, but all of the cluster's references are named before")]
+    LeafWithoutReference {
+        /// Place, 0 to 7.
+        place: usize,
     },
     /// A reference belongs to two leaves.
     #[error("another leaf holds reference {reference} too")]

@@ -1,7 +1,8 @@
 use crate::rows::{
-    BoneEnvelopeRow, BoneRow, CacheRow, ChannelRow, ClipRow, ClusterBoneRow, ClusterMorphRow, ClusterRow, InfluenceRow,
-    KdNodeRow, KeyRow, KeyVertexRow, LeverRow, MorphDeltaRow, MorphEnvelopeRow, MorphSetRow, MorphTargetRow, NodeRow,
-    PartRow, PoseSpaceRow, PrimitiveRow, ReferenceBoxRow, SampleRow, SegmentRow, TrackRow, TriangleRow, VertexRow,
+    BoneEnvelopeRow, BoneRow, CacheRow, ChannelRow, ClipBoundsRow, ClipRow, ClusterBoneRow, ClusterMorphRow,
+    ClusterRow, InfluenceRow, KdNodeRow, KeyRow, KeyVertexRow, LeverRow, MorphDeltaRow, MorphEnvelopeRow, MorphSetRow,
+    MorphTargetRow, NodeRow, PartRow, PoseSpaceRow, PrimitiveRow, ReferenceBoxRow, SampleRow, SegmentRow, TrackRow,
+    TriangleRow, VertexRow, WideNodeRow,
 };
 use bytemuck::{Pod, Zeroable};
 use std::fmt;
@@ -59,6 +60,7 @@ section_kinds! {
     KeyTimes b"KTIM" f32: "Key times.",
     KeyValues b"KVAL" f32: "Key values.",
     Samples b"SAMP" SampleRow: "Sampled poses.",
+    ClipBounds b"CBND" ClipBoundsRow: "Bounds of the clips.",
     Caches b"CACH" CacheRow: "Vertex caches.",
     Segments b"SEGM" SegmentRow: "Time segments of the caches.",
     Tracks b"TRAK" TrackRow: "Tracks.",
@@ -67,7 +69,8 @@ section_kinds! {
     KeyWords b"KWRD" u32: "Positions of the caches' vertices.",
     Clusters b"CLUS" ClusterRow: "Clusters.",
     ClusterBones b"CBON" ClusterBoneRow: "Cluster bones.",
-    KdNodes b"KDND" KdNodeRow: "Nodes of the fuzzy trees.",
+    KdNodes b"KDND" KdNodeRow: "Nodes of the fuzzy kd-trees.",
+    WideNodes b"WDND" WideNodeRow: "Nodes of the wide fuzzy trees.",
     References b"REFS" u32: "Triangle ids in the leaves.",
     ReferenceBoxes b"RBOX" ReferenceBoxRow: "Fuzzy boxes of the triangles in the leaves.",
     PoseSpaces b"PSPC" PoseSpaceRow: "Pose spaces of the clusters.",

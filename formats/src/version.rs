@@ -12,16 +12,18 @@ pub enum FormatVersion {
     V1_0,
     /// Adds vertex caches, with their tracks and time segments. Written by no release, and no longer read.
     V1_1,
-    /// Adds pose spaces: boxes that hold for every pose.
+    /// Adds pose spaces: boxes that hold for every pose. Written by no release, and no longer read.
     V1_2,
+    /// Adds wide fuzzy trees, bounds of clips, and boxes of what bones move in place of extents.
+    V1_3,
 }
 
 impl FormatVersion {
     /// What this library writes.
-    pub const LATEST: Self = Self::V1_2;
+    pub const LATEST: Self = Self::V1_3;
 
     /// What this library reads.
-    pub const READABLE: &'static [Self] = &[Self::V1_2];
+    pub const READABLE: &'static [Self] = &[Self::V1_3];
 
     /// Major and minor number.
     #[must_use]
@@ -30,6 +32,7 @@ impl FormatVersion {
             Self::V1_0 => (1, 0),
             Self::V1_1 => (1, 1),
             Self::V1_2 => (1, 2),
+            Self::V1_3 => (1, 3),
         }
     }
 

@@ -91,7 +91,7 @@ fn place(kind: SectionKind, bytes: &[u8], end: u64) -> Option<SectionEntry> {
 }
 
 /// The sections in file order. A new field of the model that is not written here does not compile.
-fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKind, &'a [u8]); 33] {
+fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKind, &'a [u8]); 35] {
     let ModelView {
         hashes: _,
         meta: _,
@@ -111,6 +111,7 @@ fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKin
         key_times,
         key_values,
         samples,
+        clip_bounds,
         caches,
         segments,
         tracks,
@@ -120,6 +121,7 @@ fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKin
         clusters,
         cluster_bones,
         kd_nodes,
+        wide_nodes,
         references,
         reference_boxes,
         pose_spaces,
@@ -146,6 +148,7 @@ fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKin
         (SectionKind::KeyTimes, cast_slice(key_times)),
         (SectionKind::KeyValues, cast_slice(key_values)),
         (SectionKind::Samples, cast_slice(samples)),
+        (SectionKind::ClipBounds, cast_slice(clip_bounds)),
         (SectionKind::Caches, cast_slice(caches)),
         (SectionKind::Segments, cast_slice(segments)),
         (SectionKind::Tracks, cast_slice(tracks)),
@@ -155,6 +158,7 @@ fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKin
         (SectionKind::Clusters, cast_slice(clusters)),
         (SectionKind::ClusterBones, cast_slice(cluster_bones)),
         (SectionKind::KdNodes, cast_slice(kd_nodes)),
+        (SectionKind::WideNodes, cast_slice(wide_nodes)),
         (SectionKind::References, cast_slice(references)),
         (SectionKind::ReferenceBoxes, cast_slice(reference_boxes)),
         (SectionKind::PoseSpaces, cast_slice(pose_spaces)),

@@ -2,11 +2,11 @@
 
 use crate::{
     OpenError, cache::CACHE_ROUNDINGS, cluster_frame::vertex_error as vertex_error_of, map::StoredModel,
-    pose_space::PoseSpaces, vertex::rounding_count,
+    pose_space::PoseSpaces, posed_bounds::RestBoxes, posing::PosingLimits, top_level::TopLevel, vertex::rounding_count,
 };
 use restpose_formats::{
-    FormatError, ModelView,
-    rows::{NONE, box_steps},
+    FormatError, ModelView, TreeKind,
+    rows::{ClusterRow, NONE, WideNodeRow, box_steps},
 };
 use std::{io, path::Path};
 
@@ -18,8 +18,13 @@ pub struct Asset {
     /// Per cluster row: steps of the lattice of its triangles' boxes.
     box_steps: Vec<[f32; 3]>,
     pose_spaces: PoseSpaces,
-    /// Per reference row: whether it is the first of its triangle in its cluster.
+    /// Per reference row of kd-trees: whether it is the first of its triangle in its cluster.
     first_references: Vec<bool>,
+    clusters_without_track: usize,
+    rest_boxes: RestBoxes,
+    /// Over the clusters of an asset without vertex caches, in the rest pose.
+    top_level: TopLevel,
+    posing_limits: PosingLimits,
 }
 
 /// Linear in the references.
@@ -86,9 +91,21 @@ impl Asset {
         let vertex_error = vertex_error_of(rounding_count(model.view()));
         let cache_vertex_error = vertex_error_of(CACHE_ROUNDINGS);
         let pose_spaces = PoseSpaces::new(model.view());
-        let first_references = first_references(model.view());
-        let clusters = model.view().clusters.iter();
+        let view = model.view();
+        let first_references = match view.meta.tree {
+            TreeKind::Kd => first_references(view),
+            TreeKind::Wide => Vec::new(),
+        };
+        let clusters = view.clusters.iter();
         let box_steps = clusters.map(|cluster| box_steps(&cluster.bounds_local)).collect();
+        let mut top_level = TopLevel::default();
+        if view.caches.is_empty() {
+            let bounds = |cluster: u32| view.clusters[cluster as usize].bounds_local;
+            top_level.rebuild(0..view.clusters.len() as u32, bounds);
+        }
+        let clusters_without_track = view.clusters.partition_point(|cluster| cluster.track == NONE);
+        let rest_boxes = RestBoxes::new(view);
+        let posing_limits = PosingLimits::new(view.vertices.len(), view.triangles.len());
         Self {
             model,
             vertex_error,
@@ -96,6 +113,10 @@ impl Asset {
             box_steps,
             pose_spaces,
             first_references,
+            clusters_without_track,
+            rest_boxes,
+            top_level,
+            posing_limits,
         }
     }
 
@@ -128,9 +149,60 @@ impl Asset {
         self.cache_vertex_error
     }
 
-    /// Per reference row: whether it is the first of its triangle in its cluster.
+    /// Per reference row of a kd-tree: whether it is the first of its triangle in its cluster.
     pub(crate) fn first_references(&self) -> &[bool] {
         &self.first_references
+    }
+
+    /// The triangles of a cluster, each once.
+    pub(crate) fn cluster_triangles(&self, cluster: &ClusterRow) -> impl Iterator<Item = u32> {
+        let rows = cluster.reference_first as usize..(cluster.reference_first + cluster.reference_count) as usize;
+        let first = self.first_references.get(rows.clone());
+        let references = self.model().references[rows].iter().enumerate();
+        references
+            .filter(move |(at, _)| first.is_none_or(|first| first[*at]))
+            .map(|(_, triangle)| *triangle)
+    }
+
+    /// The nodes of a cluster's wide tree.
+    pub(crate) fn wide_nodes(&self, cluster: u32) -> &[WideNodeRow] {
+        let model = self.model();
+        let cluster = &model.clusters[cluster as usize];
+        &model.wide_nodes[cluster.node_first as usize..][..cluster.node_count as usize]
+    }
+
+    /// The first so many clusters have no track.
+    pub(crate) fn clusters_without_track(&self) -> usize {
+        self.clusters_without_track
+    }
+
+    /// What bones move in the rest pose.
+    pub(crate) fn rest_boxes(&self) -> &RestBoxes {
+        &self.rest_boxes
+    }
+
+    /// The topology over its clusters, where it has no vertex caches.
+    pub(crate) fn top_level(&self) -> &TopLevel {
+        &self.top_level
+    }
+
+    /// Rays that are worth posing more than they reach.
+    pub(crate) fn posing_limits(&self) -> &PosingLimits {
+        &self.posing_limits
+    }
+
+    /// The cache that moves a part's vertices, by the part's triangle row; `NONE` without one.
+    pub(crate) fn cache_of_triangle(&self, triangle: u32) -> u32 {
+        let parts = self.model().parts;
+        let after = parts.partition_point(|part| part.triangle_first <= triangle);
+        after.checked_sub(1).map_or(NONE, |part| parts[part].cache)
+    }
+
+    /// As [`Asset::cache_of_triangle`], by the part's vertex row.
+    pub(crate) fn cache_of_vertex(&self, vertex: u32) -> u32 {
+        let parts = self.model().parts;
+        let after = parts.partition_point(|part| part.vertex_first <= vertex);
+        after.checked_sub(1).map_or(NONE, |part| parts[part].cache)
     }
 
     /// What poses of its clusters are measured against.

@@ -2,6 +2,7 @@ use crate::{
     Aabb,
     build::{Bvh, BvhContent, BvhSettings, CheckedBoxes, StreamedBvh, finite_box},
     trace::Hierarchy,
+    wide::{WideNode, collapse},
 };
 
 /// What one task bounds.
@@ -60,9 +61,9 @@ impl BoxTree {
         self.tree.bounds()
     }
 
-    /// Nodes of the tree; none where it is empty.
-    pub(crate) fn node_count(&self) -> usize {
-        self.tree.nodes.len()
+    /// Appends a wide tree over the same ids. One without any becomes a root without children.
+    pub(crate) fn collapse(&self, nodes: &mut Vec<WideNode>) {
+        collapse(&self.tree, &self.boxes, |place| self.ids[place as usize], nodes);
     }
 
     /// What is in a leaf, by its range of references.

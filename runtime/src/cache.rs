@@ -4,13 +4,14 @@
 //! track there, with the weights of both keys, the lattice, the bone and the instance transform multiplied in.
 
 use crate::{
-    Aabb, Affine,
-    cluster_frame::{Map64, PosedMap},
+    Aabb, Affine, Asset,
+    cluster_frame::{Map64, PosedMap, world_box},
+    vertex::reach,
 };
 use restpose_formats::{
     ModelView,
     geom::round::{f32_above, f32_below},
-    rows::{CacheRow, NONE, PartRow, SegmentRow, TrackRow},
+    rows::{CacheRow, ClusterRow, NONE, PartRow, SegmentRow, TrackRow},
 };
 
 /// Frames between keys are told apart down to this fraction, 2⁻²⁴, so that both weights are `f32` and sum to one.
@@ -117,21 +118,31 @@ impl CacheState {
         &self.tracks[(row - self.track_first) as usize]
     }
 
-    /// Contains the vertices of the track's cluster, in the cache's space and exact arithmetic; `None` in a cut interval,
-    /// where the cluster's tree holds nothing. The track has keys.
-    pub(crate) fn bounds(&self, model: &ModelView, track: u32) -> Option<Aabb> {
-        let time = self.time?;
-        let first = model.tracks[track as usize].key_first;
+    /// Whether it stands in a cut interval of the track, where its cluster's tree holds nothing. The track has keys.
+    pub(crate) fn is_cut(&self, model: &ModelView, track: u32) -> bool {
+        self.time.is_none_or(|time| {
+            let before = model.tracks[track as usize].key_first + time.keys[0];
+            model.keys[before as usize].is_cut() && time.weight > 0.0
+        })
+    }
+
+    /// World box of a cluster that has a track with keys, by the boxes of its vertices at the keys, between which these
+    /// move on straight lines. `bone` carries the cache.
+    pub(crate) fn cluster_bounds(&self, asset: &Asset, cluster: &ClusterRow, bone: &PosedMap) -> Aabb {
+        let model = asset.model();
+        let Some(time) = self.time else {
+            return Aabb::EMPTY;
+        };
+        let first = model.tracks[cluster.track as usize].key_first;
         let [a, b] = time.keys.map(|key| &model.keys[(first + key) as usize]);
-        if a.is_cut() && time.weight > 0.0 {
-            return None;
-        }
         let after = f64::from(time.weight);
         let mix = |a: f32, b: f32| (1.0 - after) * f64::from(a) + after * f64::from(b);
-        Some(Aabb {
+        let bounds = Aabb {
             min: std::array::from_fn(|k| f32_below(mix(a.bounds.min[k], b.bounds.min[k]))),
             max: std::array::from_fn(|k| f32_above(mix(a.bounds.max[k], b.bounds.max[k]))),
-        })
+        };
+        let reach = reach(model, cluster, |track, extent| self.track(track).reach(extent));
+        world_box(&bounds, bone, reach.map(|reach| asset.cache_vertex_error() * reach))
     }
 
     /// Poses a vertex of the cache's part, by vertex row: each map's image rounded as [`Affine::transform_point`] says,

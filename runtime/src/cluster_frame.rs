@@ -144,16 +144,38 @@ impl Map64 {
 
 /// `a` after `b`.
 fn product(a: &Map64, b: &Map64) -> Map64 {
-    let entry = |a: &[[f64; 3]; 4], b: &[[f64; 3]; 4], j: usize, k: usize| {
-        let offset = if j == 3 { a[3][k] } else { 0.0 };
-        a[0][k] * b[j][0] + a[1][k] * b[j][1] + a[2][k] * b[j][2] + offset
-    };
-    let all = |a: &[[f64; 3]; 4], b: &[[f64; 3]; 4]| -> [[f64; 3]; 4] {
-        std::array::from_fn(|j| std::array::from_fn(|k| entry(a, b, j, k)))
-    };
     Map64 {
-        columns: all(&a.columns, &b.columns),
-        magnitudes: all(&a.magnitudes, &b.magnitudes),
+        columns: columns_product(&a.columns, &b.columns),
+        magnitudes: columns_product(&a.magnitudes, &b.magnitudes),
+    }
+}
+
+#[inline]
+fn columns_product(a: &[[f64; 3]; 4], b: &[[f64; 3]; 4]) -> [[f64; 3]; 4] {
+    std::array::from_fn(|j| {
+        std::array::from_fn(|k| {
+            let offset = if j == 3 { a[3][k] } else { 0.0 };
+            a[0][k] * b[j][0] + a[1][k] * b[j][1] + a[2][k] * b[j][2] + offset
+        })
+    })
+}
+
+const IDENTITY: [[f64; 3]; 4] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
+
+/// The map of [`PosedMap::product`] alone, the same bits: what vertices are posed by.
+#[inline]
+pub(crate) fn posed_map(transform: &Map64, x: &Affine) -> Affine {
+    if transform.columns == IDENTITY {
+        return *x;
+    }
+    let columns = x.columns.map(|column| column.map(f64::from));
+    let product = if columns == IDENTITY {
+        transform.columns
+    } else {
+        columns_product(&transform.columns, &columns)
+    };
+    Affine {
+        columns: product.map(|column| column.map(|entry| entry as f32)),
     }
 }
 
@@ -180,8 +202,7 @@ impl PosedMap {
 
     /// `weight` times the product of maps: images of points are `weight` times theirs under the product.
     pub(crate) fn weighted(weight: f64, maps: &[&Map64]) -> Self {
-        let identity = Affine::IDENTITY.columns.map(|column| column.map(f64::from));
-        let mut chain = maps.iter().rev().filter(|map| map.columns != identity);
+        let mut chain = maps.iter().rev().filter(|map| map.columns != IDENTITY);
         let mut total = chain
             .next()
             .map_or_else(|| Map64::new(&Affine::IDENTITY), |last| **last);
@@ -223,10 +244,10 @@ pub(crate) struct ClusterFrame {
 pub(crate) enum Way {
     /// By the cluster's fuzzy tree, in local space.
     Local(LocalFrame),
-    /// By a tree that was built for this frame: its place among the instance's.
+    /// By a tree that was built for this pose: its place among the instance's.
     Posed(u32),
-    /// By the topology of its fuzzy tree with the boxes of its posed triangles, in world space: a bone without usable
-    /// inverse.
+    /// By the topology of its fuzzy tree with the boxes of its posed triangles, in world space: where there is no usable
+    /// inverse, or no fuzzy box holds.
     Refitted,
 }
 
@@ -256,8 +277,8 @@ pub(crate) struct FrameInputs<'a> {
     pub reach: [f64; 3],
     /// u + γₙ of the vertex function.
     pub vertex_error: f64,
-    /// A second box around the cluster's exact vertices and the map of it to world space, where there is one.
-    pub bounds: Option<(&'a Aabb, &'a PosedMap)>,
+    /// Contains every posed vertex of the cluster.
+    pub bounds_world: &'a Aabb,
     /// Bounds, per local axis, by how much fuzzy positions leave the fuzzy boxes in this pose.
     pub excess: [f64; 3],
 }
@@ -274,7 +295,7 @@ pub(crate) fn vertex_error(roundings: u32) -> f64 {
 }
 
 impl ClusterFrame {
-    /// The frame of a cluster, or `None` where it has no usable inverse and must be bounded by its vertices.
+    /// The frame of a cluster, or `None` where it has no usable inverse.
     pub(crate) fn new(inputs: &FrameInputs) -> Option<Self> {
         let frame = &inputs.frame.map;
         let inverse = invert_frame(frame)?;
@@ -289,13 +310,7 @@ impl ClusterFrame {
         let vertex_error: [f64; 3] = std::array::from_fn(|k| {
             UNIT_ROUNDOFF * frame_reach[k] + inputs.vertex_error * inputs.reach[k] + UNDERFLOW_FLOOR
         });
-        let mut bounds_world = local.world_box(inputs.frame, vertex_error);
-        if let Some((bounds, map)) = inputs.bounds {
-            let bounds = Extents::new(bounds);
-            let rounding = map.reach(bounds.reach);
-            let error = std::array::from_fn(|k| vertex_error[k] + UNIT_ROUNDOFF * rounding[k]);
-            bounds_world = overlap(bounds_world, bounds.world_box(map, error));
-        }
+        let bounds_world = overlap(local.world_box(inputs.frame, vertex_error), *inputs.bounds_world);
         let center = bounds_world.center();
         // Halving a subnormal can leave the box.
         let center_world: [f32; 3] =
@@ -402,6 +417,14 @@ impl Extents {
     }
 }
 
+/// World box of what lies in `bounds` before `map`, in exact arithmetic, where vertices are off by `vertex_error` after it.
+pub(crate) fn world_box(bounds: &Aabb, map: &PosedMap, vertex_error: [f64; 3]) -> Aabb {
+    let bounds = Extents::new(bounds);
+    let rounding = map.reach(bounds.reach);
+    let error = std::array::from_fn(|k| vertex_error[k] + UNIT_ROUNDOFF * rounding[k] + UNDERFLOW_FLOOR);
+    bounds.world_box(map, error)
+}
+
 /// What two boxes that both contain something have in common.
 fn overlap(a: Aabb, b: Aabb) -> Aabb {
     let mut out = a;
@@ -478,13 +501,13 @@ impl SlabRay {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LatticeRay {
     /// `t` per lattice step.
-    rate: [f32; 3],
+    pub rate: [f32; 3],
     /// `t` of the lattice's zero, widened for near planes.
-    near: [f32; 3],
+    pub near: [f32; 3],
     /// The same for far planes.
-    far: [f32; 3],
+    pub far: [f32; 3],
     /// Whether the ray runs with the axis.
-    forward: [bool; 3],
+    pub forward: [bool; 3],
 }
 
 impl LatticeRay {

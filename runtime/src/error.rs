@@ -27,12 +27,20 @@ pub enum OpenError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PoseError {
-    /// The scene has no such instance.
-    #[error("instance {instance} does not exist: this scene has {count}")]
+    /// The scene has no such instance, or no longer.
+    #[error("instance {instance} does not exist, or was removed: this scene has {count}")]
     UnknownInstance {
-        /// Instance asked for.
+        /// Index of the instance asked for.
         instance: usize,
         /// Instances there are.
+        count: usize,
+    },
+    /// The instance has no such triangle, or no longer.
+    #[error("triangle {triangle} does not exist: the instance has {count}")]
+    UnknownTriangle {
+        /// Triangle asked for.
+        triangle: u32,
+        /// Triangles there are.
         count: usize,
     },
     /// The instance is one of supplied geometry, which has no pose.

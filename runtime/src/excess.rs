@@ -75,14 +75,14 @@ impl Excess {
 
 /// A bone's map in `f64`, with its norms.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BoneMap {
+struct BoneMap {
     columns: [[f64; 3]; 4],
     linear: f64,
     translation: f64,
 }
 
 impl BoneMap {
-    pub(crate) fn new(map: &Affine) -> Self {
+    fn new(map: &Affine) -> Self {
         let columns = map.columns.map(|column| column.map(f64::from));
         Self {
             columns,
@@ -96,7 +96,7 @@ impl BoneMap {
 #[derive(Clone, Copy)]
 pub(crate) struct MeasuredPose<'a> {
     /// Per bone row, without the instance transform.
-    pub bones: &'a [BoneMap],
+    pub bones: &'a [Affine],
     /// Per morph target row.
     pub morph_weights: &'a [f32],
 }
@@ -164,7 +164,7 @@ impl Motions {
     }
 
     fn update(&mut self, space: &PoseSpace, own: usize, inverse: &[[f64; 3]; 3], pose: MeasuredPose) {
-        let own = &pose.bones[own];
+        let own = BoneMap::new(&pose.bones[own]);
         self.morphed = displacement(space.morphs, |_, target| {
             f64::from(pose.morph_weights[target as usize].abs())
         });
@@ -174,7 +174,7 @@ impl Motions {
         self.motions.clear();
         self.rounding = 0.0;
         for mover in space.movers {
-            let bone = &pose.bones[mover.bone];
+            let bone = BoneMap::new(&pose.bones[mover.bone]);
             let linear = inverse_norm * bone.linear + 1.0;
             let offset = inverse_norm * (bone.translation + own.translation);
             self.rounding += slack * (linear * (mover.spread + mover.weight * morphed) + mover.weight * offset);

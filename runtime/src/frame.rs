@@ -1,8 +1,9 @@
 use crate::{
-    Aabb, FrameStats, Hit, InstanceId, Ray, Scene, SurfacePoint, TraceCounters,
+    Aabb, FrameStats, Hit, InstanceId, InstanceState, PoseError, Ray, Scene, SurfacePoint, TraceCounters,
     cluster_frame::Way,
+    excess::Motions,
     instance::Instance,
-    trace::{Stack, trace},
+    trace::{TraceContext, trace},
 };
 
 /// Rays of a batch that one task traces.
@@ -35,19 +36,63 @@ impl Frame<'_> {
     /// The hit with the least `t` in the ray's range; of equals the one with the lowest instance, then triangle.
     #[must_use]
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        trace::<false>(self.scene, ray, &mut Stack::new(), &mut ())
+        TraceContext::with(|context| trace::<false>(self.scene, ray, 0.0, context, &mut ()))
     }
 
     /// Whether anything is hit in the ray's range: `closest_hit(ray).is_some()`, found sooner.
     #[must_use]
     pub fn any_hit(&self, ray: &Ray) -> bool {
-        trace::<true>(self.scene, ray, &mut Stack::new(), &mut ()).is_some()
+        TraceContext::with(|context| trace::<true>(self.scene, ray, 0.0, context, &mut ())).is_some()
     }
 
     /// [`Frame::closest_hit`], counting what it does.
     #[must_use]
     pub fn closest_hit_counted(&self, ray: &Ray, counters: &mut TraceCounters) -> Option<Hit> {
-        trace::<false>(self.scene, ray, &mut Stack::new(), counters)
+        TraceContext::with(|context| trace::<false>(self.scene, ray, 0.0, context, counters))
+    }
+
+    /// [`Frame::closest_hit`] at a time of the interval in which instances move ([`Scene::set_motion`]): 0 is its begin, 1 its
+    /// end, times outside of it count as these. A NaN hits nothing.
+    ///
+    /// Guarantee: the hit is that of a frame in which each instance has the state that [`Frame::state_at`] tells.
+    #[must_use]
+    pub fn closest_hit_at(&self, ray: &Ray, time: f32) -> Option<Hit> {
+        TraceContext::with(|context| self.closest_at(ray, time, context))
+    }
+
+    /// [`Frame::any_hit`] at a time, as [`Frame::closest_hit_at`].
+    #[must_use]
+    pub fn any_hit_at(&self, ray: &Ray, time: f32) -> bool {
+        !time.is_nan()
+            && TraceContext::with(|context| trace::<true>(self.scene, ray, time.clamp(0.0, 1.0), context, &mut ()))
+                .is_some()
+    }
+
+    /// [`Frame::closest_hit_at`] of many rays, each with its time, on all cores (feature `parallel`). Fastest where rays of
+    /// the same time follow each other.
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    pub fn closest_hits_at(&self, rays: &[Ray], times: &[f32], hits: &mut [Option<Hit>]) {
+        assert_eq!(rays.len(), times.len(), "one time per ray");
+        self.batch(rays.len(), hits, |at, context| {
+            self.closest_at(&rays[at], times[at], context)
+        });
+    }
+
+    fn closest_at(&self, ray: &Ray, time: f32, context: &mut TraceContext) -> Option<Hit> {
+        if time.is_nan() {
+            return None;
+        }
+        trace::<false>(self.scene, ray, time.clamp(0.0, 1.0), context, &mut ())
+    }
+
+    /// The state of an instance at a time of the interval in which it moves.
+    ///
+    /// # Errors
+    /// [`PoseError::UnknownInstance`], [`PoseError::NoAsset`].
+    pub fn state_at(&self, instance: InstanceId, time: f32) -> Result<InstanceState, PoseError> {
+        Ok(self.scene.asset_instance(instance)?.state_at(time.clamp(0.0, 1.0)))
     }
 
     /// [`Frame::closest_hit`] of many rays, on all cores (feature `parallel`).
@@ -55,7 +100,9 @@ impl Frame<'_> {
     /// # Panics
     /// When the slices differ in length.
     pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        self.batch(rays, hits, |ray, stack| trace::<false>(self.scene, ray, stack, &mut ()));
+        self.batch(rays.len(), hits, |at, context| {
+            trace::<false>(self.scene, &rays[at], 0.0, context, &mut ())
+        });
     }
 
     /// [`Frame::any_hit`] of many rays, on all cores (feature `parallel`).
@@ -63,64 +110,107 @@ impl Frame<'_> {
     /// # Panics
     /// When the slices differ in length.
     pub fn any_hits(&self, rays: &[Ray], occluded: &mut [bool]) {
-        self.batch(rays, occluded, |ray, stack| {
-            trace::<true>(self.scene, ray, stack, &mut ()).is_some()
+        self.batch(rays.len(), occluded, |at, context| {
+            trace::<true>(self.scene, &rays[at], 0.0, context, &mut ()).is_some()
         });
     }
 
-    fn batch<T: Send>(&self, rays: &[Ray], results: &mut [T], one: impl Fn(&Ray, &mut Stack) -> T + Sync) {
-        assert_eq!(rays.len(), results.len(), "one result per ray");
-        let run = |rays: &[Ray], results: &mut [T]| {
-            let mut stack = Stack::new();
-            for (ray, result) in rays.iter().zip(results) {
-                *result = one(ray, &mut stack);
+    fn batch<T: Send>(&self, rays: usize, results: &mut [T], one: impl Fn(usize, &mut TraceContext) -> T + Sync) {
+        assert_eq!(rays, results.len(), "one result per ray");
+        let run = |first: usize, results: &mut [T]| {
+            TraceContext::with(|context| {
+                for (ray, result) in (first..).zip(results) {
+                    *result = one(ray, context);
+                }
+            });
+        };
+        #[cfg(feature = "parallel")]
+        {
+            use rayon::prelude::*;
+            let tasks = results.par_chunks_mut(RAYS_PER_TASK).enumerate();
+            tasks.for_each(|(task, results)| run(task * RAYS_PER_TASK, results));
+        }
+        #[cfg(not(feature = "parallel"))]
+        run(0, results);
+    }
+
+    /// Prepares all of every instance that rays could need but posed vertices, which is what the first rays to come would
+    /// do: for those who want no ray to take longer than others, or all of [`Frame::stats`]. On all cores (feature
+    /// `parallel`).
+    pub fn prepare(&self) {
+        let one = |instance: &Instance| {
+            if let Instance::Asset(instance) = instance {
+                let mut motions = Motions::default();
+                let prepared = instance.prepared();
+                for slot in 0..prepared.clusters.len() as u32 {
+                    prepared.cluster(instance.asset(), slot, &mut motions);
+                }
             }
         };
         #[cfg(feature = "parallel")]
         {
             use rayon::prelude::*;
-            rays.par_chunks(RAYS_PER_TASK)
-                .zip(results.par_chunks_mut(RAYS_PER_TASK))
-                .for_each(|(rays, results)| run(rays, results));
+            self.scene
+                .occupied()
+                .par_bridge()
+                .for_each(|(_, instance)| one(instance));
         }
         #[cfg(not(feature = "parallel"))]
-        run(rays, results);
+        self.scene.occupied().for_each(|(_, instance)| one(instance));
     }
 
     /// What was hit, in the source's words.
     ///
-    /// # Panics
-    /// When the hit is not from this scene and names an instance or triangle that it does not have.
-    #[must_use]
-    pub fn surface(&self, hit: &Hit) -> SurfacePoint {
-        SurfacePoint::new(hit, &self.scene.instances[hit.instance.index()])
+    /// # Errors
+    /// [`PoseError::UnknownInstance`] for a hit from another scene, or one whose instance was removed since.
+    /// [`PoseError::UnknownTriangle`] for a triangle that the instance does not have.
+    pub fn surface(&self, hit: &Hit) -> Result<SurfacePoint, PoseError> {
+        SurfacePoint::new(hit, self.scene.instance(hit.instance)?)
     }
 
     /// A posed vertex in world space, by vertex row; `None` when there is no such instance or vertex.
     #[must_use]
     pub fn vertex(&self, instance: InstanceId, vertex: u32) -> Option<[f32; 3]> {
-        self.scene.instances.get(instance.index())?.vertex(vertex)
+        self.scene.instance(instance).ok()?.vertex(vertex)
+    }
+
+    /// All posed vertices of an instance in world space, in place of what is in `vertices`: for those who need them
+    /// anyway, to draw them say. On all cores (feature `parallel`).
+    ///
+    /// # Errors
+    /// [`PoseError::UnknownInstance`].
+    pub fn vertices(&self, instance: InstanceId, vertices: &mut Vec<[f32; 3]>) -> Result<(), PoseError> {
+        self.scene.instance(instance)?.vertices(vertices);
+        Ok(())
     }
 
     /// A posed triangle's corners in world space, by triangle row; `None` when there is no such instance or triangle.
     #[must_use]
     pub fn triangle(&self, instance: InstanceId, triangle: u32) -> Option<[[f32; 3]; 3]> {
-        self.scene.instances.get(instance.index())?.triangle(triangle)
+        self.scene.instance(instance).ok()?.triangle(triangle)
     }
 
-    /// The clusters of all instances of assets with their world boxes.
+    /// The clusters of all instances of assets with their world boxes. Prepares them as [`Frame::prepare`] does.
     pub fn clusters(&self) -> impl Iterator<Item = ClusterBounds> {
-        self.scene.entries.iter().filter_map(|entry| {
-            let Instance::Asset(instance) = &self.scene.instances[entry.instance as usize] else {
-                return None;
+        let scene = self.scene;
+        scene.occupied().flat_map(move |(index, instance)| {
+            let mut motions = Motions::default();
+            let clusters = match instance {
+                Instance::Asset(instance) => instance.prepared().clusters.len() as u32,
+                Instance::Geometry(_) => 0,
             };
-            let active = &instance.clusters[entry.slot as usize];
-            Some(ClusterBounds {
-                instance: InstanceId(entry.instance),
-                cluster: active.row,
-                bounds_world: active.frame.bounds_world,
-                excess: active.excess.local,
-                has_inverse: matches!(active.frame.way, Way::Local(_)),
+            (0..clusters).filter_map(move |slot| {
+                let Instance::Asset(instance) = instance else {
+                    return None;
+                };
+                let (state, posed) = instance.prepared().cluster(instance.asset(), slot, &mut motions);
+                Some(ClusterBounds {
+                    instance: scene.id(index),
+                    cluster: state.row,
+                    bounds_world: posed.frame.bounds_world,
+                    excess: posed.excess.local,
+                    has_inverse: matches!(posed.frame.way, Way::Local(_)),
+                })
             })
         })
     }
@@ -128,15 +218,38 @@ impl Frame<'_> {
     /// A box that contains every posed vertex that some triangle with area uses.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
-        self.scene
-            .boxes
-            .iter()
-            .fold(Aabb::EMPTY, |bounds, other| bounds.union(*other))
+        self.scene.top_level.bounds()
     }
 
-    /// What this frame holds.
+    /// The same of one instance.
+    ///
+    /// # Errors
+    /// [`PoseError::UnknownInstance`].
+    pub fn instance_bounds(&self, instance: InstanceId) -> Result<Aabb, PoseError> {
+        self.scene.instance(instance).map(Instance::bounds)
+    }
+
+    /// What this frame holds, and what rays have needed of it so far.
     #[must_use]
-    pub fn stats(&self) -> &FrameStats {
-        &self.scene.stats
+    pub fn stats(&self) -> FrameStats {
+        let mut stats = FrameStats {
+            top_level_nodes: self.scene.top_level.nodes().len() as u32,
+            ..FrameStats::default()
+        };
+        for (_, instance) in self.scene.occupied() {
+            stats.instances += 1;
+            match instance {
+                Instance::Asset(instance) => {
+                    if let Some(prepared) = instance.prepared_so_far() {
+                        stats.add(prepared);
+                    }
+                }
+                Instance::Geometry(_) => {
+                    stats.clusters += 1;
+                    stats.clusters_rebuilt += 1;
+                }
+            }
+        }
+        stats
     }
 }

@@ -96,6 +96,11 @@ impl GeometryInstance {
         self.positions[vertex as usize]
     }
 
+    /// World space.
+    pub(crate) fn posed_vertices(&self) -> &[[f32; 3]] {
+        &self.posed
+    }
+
     /// World space; `None` without such a vertex.
     pub(crate) fn posed_vertex(&self, vertex: u32) -> Option<[f32; 3]> {
         self.posed.get(vertex as usize).copied()

@@ -1,12 +1,17 @@
-/// An instance in a [`Scene`](crate::Scene).
+/// An instance in a [`Scene`](crate::Scene). One that was removed has no namesake later, though its index is used again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct InstanceId(pub(crate) u32);
+pub struct InstanceId {
+    pub(crate) index: u32,
+    /// How often the index was used before.
+    pub(crate) generation: u32,
+}
 
 impl InstanceId {
-    /// Position in the order in which instances were added.
+    /// Its place in the scene: the lowest that was free when it was added. Of two hits at the same distance the one with
+    /// the lower index counts.
     #[must_use]
     pub fn index(self) -> usize {
-        self.0 as usize
+        self.index as usize
     }
 }
 

@@ -12,7 +12,7 @@
 //!
 //! let frame = scene.commit();
 //! if let Some(hit) = frame.closest_hit(&Ray::new([0.0, 1.0, 0.0], [0.0, 0.0, 1.0])) {
-//!     let surface = frame.surface(&hit);
+//!     let surface = frame.surface(&hit)?;
 //!     println!("{} m, bone {}", hit.t, asset.model().meta.bone_names[surface.bone as usize]);
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -45,26 +45,35 @@ mod frame;
 mod geometry_instance;
 mod hit;
 mod instance;
+mod instance_state;
 mod map;
+mod motion;
 mod pose;
 mod pose_space;
+mod posed_bounds;
+mod posing;
+mod prepared;
 mod ray;
 mod refitted_tree;
 mod scene;
 pub mod simd;
 mod stats;
 mod surface;
+mod top_level;
 mod trace;
 pub mod triangle;
 mod vertex;
 mod vertex_memo;
+mod wide;
 
 pub use asset::Asset;
 pub use cluster_frame::invert_frame;
 pub use error::{OpenError, PoseError};
 pub use frame::{ClusterBounds, Frame};
 pub use hit::{Hit, InstanceId};
+pub use instance_state::InstanceState;
 pub use pose::{NodeLocal, Pose, PoseEvaluator};
+pub use posing::Posing;
 pub use ray::Ray;
 /// What is in a file: the types behind [`Asset::model`].
 pub use restpose_formats as formats;

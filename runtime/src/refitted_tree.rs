@@ -1,29 +1,43 @@
-use crate::{Aabb, build::BvhContent, trace::Hierarchy};
-use restpose_formats::rows::{KdNode, KdNodeRow};
+use crate::{
+    Aabb,
+    box_tree::triangle_box,
+    build::BvhContent,
+    trace::Hierarchy,
+    wide::{WideNode, append_rows, refit},
+};
+use restpose_formats::rows::{KdNode, KdNodeRow, WideChild, WideNodeRow};
 use std::sync::{
     Mutex, OnceLock, PoisonError,
     atomic::{AtomicU32, Ordering::Relaxed},
 };
 
-/// World boxes over the nodes of a fuzzy tree, where its cluster's own space is of no use in a frame: the topology is kept,
-/// its triangles are posed, and every node gets the box of what is below it. A tree of boxes, no longer a kd-tree: each
-/// triangle counts in the first leaf that references it, so that siblings overlap by no more than triangles do.
+/// World boxes over the nodes of a fuzzy tree, where its cluster's own space is of no use in a pose: the topology is kept,
+/// its triangles are posed, and every node gets the box of what is below it. Of a kd-tree that makes a hierarchy of boxes:
+/// each triangle counts in the first leaf that references it, so that siblings overlap by no more than triangles do.
 ///
-/// Made when a ray needs it, then kept for the frame. Threads that come at the same time wait for it.
+/// Made when a ray needs it, then kept for the pose. Threads that come at the same time wait for it.
 #[derive(Debug, Default)]
 pub(crate) struct RefittedTree {
-    boxes: OnceLock<Vec<Aabb>>,
-    /// Rays that entered the cluster in this frame, where they are counted.
+    nodes: OnceLock<RefittedNodes>,
+    /// Rays that entered the cluster in this pose, where they are counted.
     entered: AtomicU32,
-    /// Memory of an earlier frame.
-    spare: Mutex<Vec<Aabb>>,
+    /// Memory of an earlier pose.
+    spare: Mutex<RefittedNodes>,
+}
+
+/// One of the two is in use: the file's kind of tree says which.
+#[derive(Debug, Default)]
+struct RefittedNodes {
+    /// A box per kd node.
+    boxes: Vec<Aabb>,
+    wide: Vec<WideNode>,
 }
 
 impl RefittedTree {
-    /// Begins a frame.
+    /// Begins a pose.
     pub(crate) fn forget(&mut self) {
-        if let Some(boxes) = self.boxes.take() {
-            *self.spare.get_mut().unwrap_or_else(PoisonError::into_inner) = boxes;
+        if let Some(nodes) = self.nodes.take() {
+            *self.spare.get_mut().unwrap_or_else(PoisonError::into_inner) = nodes;
         }
         *self.entered.get_mut() = 0;
     }
@@ -31,11 +45,11 @@ impl RefittedTree {
     /// Counts a ray that enters the cluster; true when as many as `rays` have done so before.
     pub(crate) fn is_worth_it(&self, rays: u32) -> bool {
         // One ray more or less changes no hit.
-        self.boxes.get().is_some() || self.entered.fetch_add(1, Relaxed) >= rays
+        self.nodes.get().is_some() || self.entered.fetch_add(1, Relaxed) >= rays
     }
 
-    /// The boxes of the cluster's nodes. `references` are its triangle rows, `first` says of each whether it is its
-    /// triangle's first.
+    /// The boxes of the nodes of a cluster's kd-tree. `references` are its triangle rows, `first` says of each whether it is
+    /// its triangle's first.
     pub(crate) fn boxes(
         &self,
         nodes: &[KdNodeRow],
@@ -43,10 +57,26 @@ impl RefittedTree {
         first: &[bool],
         pose: impl Fn(u32) -> [[f32; 3]; 3],
     ) -> &[Aabb] {
-        self.boxes.get_or_init(|| {
-            let mut boxes = std::mem::take(&mut *self.spare.lock().unwrap_or_else(PoisonError::into_inner));
-            refit(nodes, references, first, pose, &mut boxes);
-            boxes
+        &self
+            .made(|made| refit_kd(nodes, references, first, pose, &mut made.boxes))
+            .boxes
+    }
+
+    /// A cluster's wide tree in world space.
+    pub(crate) fn wide(&self, rows: &[WideNodeRow], pose: impl Fn(u32) -> [[f32; 3]; 3]) -> &[WideNode] {
+        let made = self.made(|made| {
+            made.wide.clear();
+            append_rows(&mut made.wide, rows, WideChild::Leaf);
+            refit(&mut made.wide, |triangle| triangle_box(pose(triangle)));
+        });
+        &made.wide
+    }
+
+    fn made(&self, make: impl FnOnce(&mut RefittedNodes)) -> &RefittedNodes {
+        self.nodes.get_or_init(|| {
+            let mut nodes = std::mem::take(&mut *self.spare.lock().unwrap_or_else(PoisonError::into_inner));
+            make(&mut nodes);
+            nodes
         })
     }
 }
@@ -72,7 +102,7 @@ impl Hierarchy for RefittedBoxes<'_> {
     }
 }
 
-fn refit(
+fn refit_kd(
     nodes: &[KdNodeRow],
     references: &[u32],
     first: &[bool],

@@ -1,39 +1,75 @@
 use crate::{
-    Aabb, Affine, Asset, Frame, FrameStats, InstanceId, PoseError, PoseEvaluator, asset_instance::AssetInstance,
-    box_tree::BoxTree, build::BvhSettings, instance::Instance,
+    Aabb, Affine, Asset, Frame, InstanceId, InstanceState, Pose, PoseError, PoseEvaluator, Posing,
+    asset_instance::AssetInstance,
+    instance::Instance,
+    instance_state::{PoseSource, check_cache_frames, check_clip, check_palette},
+    prepared::PreparedPool,
+    simd::SimdLevel,
+    top_level::TopLevel,
 };
-use std::sync::Arc;
+use std::{
+    cmp::Reverse,
+    collections::BinaryHeap,
+    sync::{
+        Arc, Weak,
+        atomic::{AtomicU64, Ordering::Relaxed},
+    },
+};
+
+/// Commits of all scenes so far, and one.
+static COMMITS: AtomicU64 = AtomicU64::new(1);
+
+/// Instances that one task updates.
+#[cfg(feature = "parallel")]
+const INSTANCES_PER_TASK: usize = 64;
 
 /// Instances of assets, each with a pose and a transform, and of geometry that the caller supplies.
 ///
 /// Set poses, then [`commit`](Scene::commit): the [`Frame`] that it returns borrows the scene and answers rays, so a
-/// frame can neither be traced before it is prepared nor changed while it is traced.
-#[derive(Debug, Default)]
+/// frame can neither be traced before it is prepared nor changed while it is traced. To prepare one frame while others
+/// trace another, keep two scenes: they share their assets.
+#[derive(Debug)]
 pub struct Scene {
-    pub(crate) instances: Vec<Instance>,
-    /// The clusters of all instances, in order.
-    pub(crate) entries: Vec<Entry>,
-    /// World box of each entry.
-    pub(crate) boxes: Vec<Aabb>,
-    /// Over `boxes`.
-    pub(crate) top_level: BoxTree,
-    pub(crate) stats: FrameStats,
+    slots: Vec<Slot>,
+    /// Slots without an instance.
+    free: BinaryHeap<Reverse<u32>>,
+    /// Slots that changed since the last commit, each once.
+    changed: Vec<u32>,
+    /// One per asset that has had instances here.
+    pools: Vec<Weak<PreparedPool>>,
+    /// World box per slot, as of the last commit; empty without an instance.
+    bounds: Vec<Aabb>,
+    /// Over `bounds`.
+    pub(crate) top_level: TopLevel,
+    pub(crate) simd: SimdLevel,
+    /// Unlike that of any other commit of any scene.
+    pub(crate) commit: u64,
     evaluator: PoseEvaluator,
 }
 
-/// To enter a cluster takes as long as eight steps (the baker's cost model counts as many): so leaves have one, where boxes
-/// differ at all.
-const TOP_LEVEL: BvhSettings = BvhSettings {
-    traversal_cost: 1.0,
-    intersection_cost: 8.0,
-};
+/// A place for an instance.
+#[derive(Debug)]
+struct Slot {
+    instance: Option<Instance>,
+    /// Instances that were removed from it.
+    generation: u32,
+    is_changed: bool,
+}
 
-/// A cluster of an instance.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Entry {
-    pub instance: u32,
-    /// Place among the instance's clusters.
-    pub slot: u32,
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            slots: Vec::new(),
+            free: BinaryHeap::new(),
+            changed: Vec::new(),
+            pools: Vec::new(),
+            bounds: Vec::new(),
+            top_level: TopLevel::default(),
+            simd: SimdLevel::detect(),
+            commit: 0,
+            evaluator: PoseEvaluator::default(),
+        }
+    }
 }
 
 impl Scene {
@@ -48,8 +84,8 @@ impl Scene {
     /// # Panics
     /// With 2³² instances.
     pub fn add(&mut self, asset: &Arc<Asset>) -> InstanceId {
-        let instance = AssetInstance::new(asset, &mut self.evaluator);
-        self.push(Instance::Asset(Box::new(instance)))
+        let pool = self.pool(asset);
+        self.insert(Instance::Asset(Box::new(AssetInstance::new(pool))))
     }
 
     /// Adds an instance of no asset, at the origin and with nothing in it, for triangles that
@@ -58,13 +94,78 @@ impl Scene {
     /// # Panics
     /// With 2³² instances.
     pub fn add_geometry(&mut self) -> InstanceId {
-        self.push(Instance::Geometry(Box::default()))
+        self.insert(Instance::Geometry(Box::default()))
     }
 
-    fn push(&mut self, instance: Instance) -> InstanceId {
-        let id = InstanceId(u32::try_from(self.instances.len()).expect("fewer than 2^32 instances"));
-        self.instances.push(instance);
-        id
+    fn pool(&mut self, asset: &Arc<Asset>) -> Arc<PreparedPool> {
+        let mut known = self.pools.iter().filter_map(Weak::upgrade);
+        if let Some(pool) = known.find(|pool| Arc::ptr_eq(pool.asset(), asset)) {
+            return pool;
+        }
+        let pool = Arc::new(PreparedPool::new(asset));
+        self.pools.retain(|pool| pool.strong_count() > 0);
+        self.pools.push(Arc::downgrade(&pool));
+        pool
+    }
+
+    fn insert(&mut self, instance: Instance) -> InstanceId {
+        let index = match self.free.pop() {
+            Some(Reverse(index)) => index,
+            None => {
+                let index = u32::try_from(self.slots.len()).expect("fewer than 2^32 instances");
+                self.slots.push(Slot {
+                    instance: None,
+                    generation: 0,
+                    is_changed: false,
+                });
+                self.bounds.push(Aabb::EMPTY);
+                index
+            }
+        };
+        self.slots[index as usize].instance = Some(instance);
+        self.mark(index);
+        self.id(index)
+    }
+
+    /// Removes an instance. What it holds is freed, and its id means no other instance later.
+    ///
+    /// # Errors
+    /// [`PoseError::UnknownInstance`].
+    pub fn remove(&mut self, instance: InstanceId) -> Result<(), PoseError> {
+        self.instance(instance)?;
+        let slot = &mut self.slots[instance.index()];
+        slot.instance = None;
+        slot.generation = slot.generation.wrapping_add(1);
+        self.free.push(Reverse(instance.index));
+        self.mark(instance.index);
+        Ok(())
+    }
+
+    /// Notes that a slot changes.
+    fn mark(&mut self, index: u32) {
+        let slot = &mut self.slots[index as usize];
+        if !std::mem::replace(&mut slot.is_changed, true) {
+            self.changed.push(index);
+        }
+    }
+
+    pub(crate) fn id(&self, index: u32) -> InstanceId {
+        InstanceId {
+            index,
+            generation: self.slots[index as usize].generation,
+        }
+    }
+
+    /// What is in a slot.
+    pub(crate) fn in_slot(&self, index: u32) -> Option<&Instance> {
+        self.slots[index as usize].instance.as_ref()
+    }
+
+    /// The slots with an instance.
+    pub(crate) fn occupied(&self) -> impl Iterator<Item = (u32, &Instance)> {
+        (0..)
+            .zip(&self.slots)
+            .filter_map(|(index, slot)| Some((index, slot.instance.as_ref()?)))
     }
 
     /// Places an instance: world space from asset space. Any finite map, mirrored and singular ones too.
@@ -72,11 +173,13 @@ impl Scene {
     /// # Errors
     /// [`PoseError::UnknownInstance`], [`PoseError::TransformNotFinite`].
     pub fn set_transform(&mut self, instance: InstanceId, world_from_asset: Affine) -> Result<(), PoseError> {
+        let index = instance.index;
         let instance = self.instance_mut(instance)?;
         if !world_from_asset.is_finite() {
             return Err(PoseError::TransformNotFinite);
         }
         instance.set_transform(world_from_asset);
+        self.mark(index);
         Ok(())
     }
 
@@ -97,26 +200,31 @@ impl Scene {
         triangles: &[[u32; 3]],
     ) -> Result<(), PoseError> {
         match self.instance_mut(instance)? {
-            Instance::Geometry(geometry) => geometry.set(positions, triangles),
-            Instance::Asset(_) => Err(PoseError::NotGeometry {
-                instance: instance.index(),
-            }),
+            Instance::Geometry(geometry) => geometry.set(positions, triangles)?,
+            Instance::Asset(_) => {
+                return Err(PoseError::NotGeometry {
+                    instance: instance.index(),
+                });
+            }
         }
+        self.mark(instance.index);
+        Ok(())
     }
 
     /// Poses an instance by a clip at a time in seconds. Times outside the clip give its first or last pose.
     ///
+    /// Complexity: constant. The clip is evaluated when a ray needs it.
+    ///
     /// # Errors
     /// [`PoseError::UnknownInstance`], [`PoseError::UnknownClip`], [`PoseError::TimeNotFinite`].
     pub fn play(&mut self, instance: InstanceId, clip: usize, seconds: f32) -> Result<(), PoseError> {
-        let count = self.asset_instance_mut(instance)?.asset.model().clips.len();
-        if clip >= count {
-            return Err(PoseError::UnknownClip { clip, count });
-        }
-        if !seconds.is_finite() {
-            return Err(PoseError::TimeNotFinite { seconds });
-        }
-        self.evaluate(instance, Some(clip), seconds)
+        let state = self.asset_instance_mut(instance)?;
+        check_clip(state.asset().model(), clip, seconds)?;
+        // A clip that exists has a number of 32 bits.
+        let clip = clip as u32;
+        state.state.pose = PoseSource::Clip { clip, seconds };
+        self.mark(instance.index);
+        Ok(())
     }
 
     /// Poses an instance as its source stands without any clip.
@@ -124,14 +232,8 @@ impl Scene {
     /// # Errors
     /// [`PoseError::UnknownInstance`].
     pub fn set_default_pose(&mut self, instance: InstanceId) -> Result<(), PoseError> {
-        self.evaluate(instance, None, 0.0)
-    }
-
-    fn evaluate(&mut self, id: InstanceId, clip: Option<usize>, seconds: f32) -> Result<(), PoseError> {
-        let instance = asset_instance(&mut self.instances, id)?;
-        let asset = Arc::clone(&instance.asset);
-        self.evaluator
-            .evaluate(asset.model(), clip, seconds, &mut instance.pose);
+        self.asset_instance_mut(instance)?.state.pose = PoseSource::Default;
+        self.mark(instance.index);
         Ok(())
     }
 
@@ -148,26 +250,14 @@ impl Scene {
         palette: &[Affine],
         morph_weights: &[f32],
     ) -> Result<(), PoseError> {
-        let instance = self.asset_instance_mut(instance)?;
-        let model = instance.asset.model();
-        let (expected, found) = (model.bones.len(), palette.len());
-        if expected != found {
-            return Err(PoseError::PaletteLength { expected, found });
-        }
-        let (expected, found) = (model.morph_targets.len(), morph_weights.len());
-        if expected != found {
-            return Err(PoseError::MorphWeightsLength { expected, found });
-        }
-        if let Some(bone) = palette.iter().position(|x| !x.is_finite()) {
-            let name = model.meta.bone_names.get(bone).cloned().unwrap_or_default();
-            return Err(PoseError::BoneNotFinite { bone, name });
-        }
-        if let Some(target) = morph_weights.iter().position(|weight| !weight.is_finite()) {
-            return Err(PoseError::MorphWeightNotFinite { target });
-        }
-        instance.pose.palette.copy_from_slice(palette);
-        instance.pose.morph_weights.copy_from_slice(morph_weights);
-        Ok(())
+        self.change_pose(
+            instance,
+            |asset| check_palette(asset.model(), palette, morph_weights),
+            |pose| {
+                pose.palette.copy_from_slice(palette);
+                pose.morph_weights.copy_from_slice(morph_weights);
+            },
+        )
     }
 
     /// Sets the frames of an instance's vertex caches, one per cache row of the asset: keys count from 0, fractions stand
@@ -176,121 +266,208 @@ impl Scene {
     /// # Errors
     /// One of [`PoseError`]; the instance then keeps its pose.
     pub fn set_cache_frames(&mut self, instance: InstanceId, frames: &[f64]) -> Result<(), PoseError> {
-        let instance = self.asset_instance_mut(instance)?;
-        let (expected, found) = (instance.pose.cache_frames.len(), frames.len());
-        if expected != found {
-            return Err(PoseError::CacheFramesLength { expected, found });
-        }
-        if let Some(cache) = frames.iter().position(|frame| !frame.is_finite()) {
-            return Err(PoseError::CacheFrameNotFinite { cache });
-        }
-        instance.pose.cache_frames.copy_from_slice(frames);
+        self.change_pose(
+            instance,
+            |asset| check_cache_frames(asset.model(), frames),
+            |pose| {
+                pose.cache_frames.copy_from_slice(frames);
+            },
+        )
+    }
+
+    /// Changes the rest of a pose no more than `change` does.
+    fn change_pose(
+        &mut self,
+        id: InstanceId,
+        check: impl FnOnce(&Asset) -> Result<(), PoseError>,
+        change: impl FnOnce(&mut Pose),
+    ) -> Result<(), PoseError> {
+        let mut evaluator = std::mem::take(&mut self.evaluator);
+        let changed = self.asset_instance_mut(id).and_then(|instance| {
+            let asset = Arc::clone(instance.asset());
+            check(&asset)?;
+            change(instance.state.pose.given(asset.model(), &mut evaluator));
+            Ok(())
+        });
+        self.evaluator = evaluator;
+        changed?;
+        self.mark(id.index);
         Ok(())
     }
 
-    /// An instance's palette, as [`Scene::set_palette`] takes it.
+    /// Where an instance stands and how: a small value to keep. A palette in it is shared with the instance until one of
+    /// the two is set anew.
     ///
     /// # Errors
-    /// [`PoseError::UnknownInstance`].
-    pub fn palette(&self, instance: InstanceId) -> Result<&[Affine], PoseError> {
-        Ok(&self.asset_instance(instance)?.pose.palette)
+    /// [`PoseError::UnknownInstance`], [`PoseError::NoAsset`].
+    pub fn state(&self, instance: InstanceId) -> Result<InstanceState, PoseError> {
+        Ok(self.asset_instance(instance)?.state.clone())
     }
 
-    /// An instance's morph weights, as [`Scene::set_palette`] takes them.
+    /// Gives an instance a state that one of the same asset was in: a past one, say. Copies no palette.
     ///
     /// # Errors
-    /// [`PoseError::UnknownInstance`].
-    pub fn morph_weights(&self, instance: InstanceId) -> Result<&[f32], PoseError> {
-        Ok(&self.asset_instance(instance)?.pose.morph_weights)
+    /// One of [`PoseError`], where the state is of another asset whose shapes differ; the instance then keeps its state.
+    pub fn set_state(&mut self, instance: InstanceId, state: &InstanceState) -> Result<(), PoseError> {
+        let target = self.asset_instance_mut(instance)?;
+        state.check(target.asset().model())?;
+        target.state.clone_from(state);
+        self.mark(instance.index);
+        Ok(())
     }
 
-    fn asset_instance(&self, instance: InstanceId) -> Result<&AssetInstance, PoseError> {
-        let count = self.instances.len();
-        let index = instance.index();
-        match self.instances.get(index) {
-            Some(Instance::Asset(instance)) => Ok(instance),
-            Some(Instance::Geometry(_)) => Err(PoseError::NoAsset { instance: index }),
-            None => Err(PoseError::UnknownInstance { instance: index, count }),
+    /// Lets an instance move, during the time interval of the coming frames, from the state that it has to `end`, or stand:
+    /// for rays with times of their own ([`Frame::closest_hit_at`](crate::Frame::closest_hit_at)). All others meet it where it
+    /// is now. At time s all numbers of its transform, palette, morph weights and cache frames are `(1 − s)·a + s·b`.
+    ///
+    /// Complexity: the next commit evaluates both poses.
+    ///
+    /// # Errors
+    /// As [`Scene::set_state`]; the instance then moves as before.
+    pub fn set_motion(&mut self, instance: InstanceId, end: Option<&InstanceState>) -> Result<(), PoseError> {
+        let target = self.asset_instance_mut(instance)?;
+        if let Some(end) = end {
+            end.check(target.asset().model())?;
+        }
+        target.set_motion(end);
+        self.mark(instance.index);
+        Ok(())
+    }
+
+    /// Says how the triangles of an instance are posed. Default [`Posing::Chosen`].
+    ///
+    /// # Errors
+    /// [`PoseError::UnknownInstance`], [`PoseError::NoAsset`].
+    pub fn set_posing(&mut self, instance: InstanceId, posing: Posing) -> Result<(), PoseError> {
+        self.asset_instance_mut(instance)?.posing = posing;
+        self.mark(instance.index);
+        Ok(())
+    }
+
+    /// The pose of an instance, evaluated.
+    ///
+    /// # Errors
+    /// [`PoseError::UnknownInstance`], [`PoseError::NoAsset`].
+    pub fn pose(&self, instance: InstanceId) -> Result<Pose, PoseError> {
+        let instance = self.asset_instance(instance)?;
+        let mut pose = Pose::default();
+        let model = instance.asset().model();
+        instance
+            .state
+            .pose
+            .evaluate(model, &mut PoseEvaluator::default(), &mut pose);
+        Ok(pose)
+    }
+
+    /// An instance of this scene.
+    pub(crate) fn instance(&self, id: InstanceId) -> Result<&Instance, PoseError> {
+        let slot = self
+            .slots
+            .get(id.index())
+            .filter(|slot| slot.generation == id.generation);
+        slot.and_then(|slot| slot.instance.as_ref())
+            .ok_or_else(|| self.unknown(id))
+    }
+
+    fn unknown(&self, id: InstanceId) -> PoseError {
+        PoseError::UnknownInstance {
+            instance: id.index(),
+            count: self.slots.len() - self.free.len(),
         }
     }
 
-    fn asset_instance_mut(&mut self, instance: InstanceId) -> Result<&mut AssetInstance, PoseError> {
-        asset_instance(&mut self.instances, instance)
+    fn instance_mut(&mut self, id: InstanceId) -> Result<&mut Instance, PoseError> {
+        let unknown = self.unknown(id);
+        let slot = self
+            .slots
+            .get_mut(id.index())
+            .filter(|slot| slot.generation == id.generation);
+        slot.and_then(|slot| slot.instance.as_mut()).ok_or(unknown)
     }
 
-    fn instance_mut(&mut self, instance: InstanceId) -> Result<&mut Instance, PoseError> {
-        let count = self.instances.len();
-        self.instances
-            .get_mut(instance.index())
-            .ok_or(PoseError::UnknownInstance {
-                instance: instance.index(),
-                count,
-            })
+    pub(crate) fn asset_instance(&self, id: InstanceId) -> Result<&AssetInstance, PoseError> {
+        match self.instance(id)? {
+            Instance::Asset(instance) => Ok(instance),
+            Instance::Geometry(_) => Err(PoseError::NoAsset { instance: id.index() }),
+        }
     }
 
-    /// Prepares everything that rays need: cluster frames, margins, world boxes and the top-level tree.
+    fn asset_instance_mut(&mut self, id: InstanceId) -> Result<&mut AssetInstance, PoseError> {
+        match self.instance_mut(id)? {
+            Instance::Asset(instance) => Ok(instance),
+            Instance::Geometry(_) => Err(PoseError::NoAsset { instance: id.index() }),
+        }
+    }
+
+    /// Bounds the instances that changed and builds the tree over all of them. What rays need beside that is made when they
+    /// come, by whichever comes first.
     ///
-    /// Complexity: per bone and cluster, not per triangle, but for clusters whose frame has no usable inverse, whose
-    /// vertices are posed for their bounds, and free motion and supplied geometry, for which a tree is built. Allocates
-    /// nothing once its buffers have grown to the scene, but for the tasks in which such trees are built.
+    /// Complexity: constant per changed instance where its file bounds its clip, else per bone; per cluster where it has
+    /// vertex caches, per triangle in free motion and for supplied geometry, whose trees are built now. On all cores
+    /// (feature `parallel`). Allocates nothing once its buffers have grown to the scene, but for the tasks in which such
+    /// trees are built.
     pub fn commit(&mut self) -> Frame<'_> {
-        self.entries.clear();
-        self.boxes.clear();
-        self.stats = FrameStats::default();
-        for (index, instance) in (0..).zip(&mut self.instances) {
-            instance.update();
-            for (slot, bounds) in (0..).zip(instance.boxes()) {
-                self.entries.push(Entry { instance: index, slot });
-                self.boxes.push(bounds);
-            }
-            match instance {
-                Instance::Asset(instance) => self.stats.add(&instance.clusters),
-                Instance::Geometry(_) => self.stats.clusters_rebuilt += 1,
+        if self.changed.is_empty() {
+            return Frame { scene: self };
+        }
+        self.commit = COMMITS.fetch_add(1, Relaxed);
+        self.update_changed();
+        for index in self.changed.drain(..) {
+            let slot = &mut self.slots[index as usize];
+            slot.is_changed = false;
+            self.bounds[index as usize] = slot.instance.as_ref().map_or(Aabb::EMPTY, Instance::bounds);
+        }
+        let bounds = &self.bounds;
+        self.top_level
+            .rebuild(0..bounds.len() as u32, |index| bounds[index as usize]);
+        Frame { scene: self }
+    }
+
+    fn update_changed(&mut self) {
+        #[cfg(feature = "parallel")]
+        if self.changed.len() > INSTANCES_PER_TASK {
+            use rayon::prelude::*;
+            let slots = self.slots.par_iter_mut().with_min_len(INSTANCES_PER_TASK);
+            slots
+                .filter(|slot| slot.is_changed)
+                .filter_map(|slot| slot.instance.as_mut())
+                .for_each(Instance::update);
+            return;
+        }
+        for index in &self.changed {
+            if let Some(instance) = &mut self.slots[*index as usize].instance {
+                instance.update();
             }
         }
-        let boxes = &self.boxes;
-        self.top_level
-            .rebuild(0..boxes.len() as u32, |entry| boxes[entry as usize], &TOP_LEVEL);
-        self.stats.instances = self.instances.len() as u32;
-        self.stats.clusters = self.entries.len() as u32;
-        self.stats.top_level_nodes = self.top_level.node_count() as u32;
-        Frame { scene: self }
     }
 
     /// As [`Scene::commit`], but refuses poses outside the pose space that their asset was baked for instead of tracing
     /// them with wider boxes: for those who would rather bake again than pay for it. A bone without usable inverse is not
-    /// refused: it has no boxes to leave.
+    /// refused: it has no boxes to leave. Prepares every instance ([`Frame::prepare`]).
     ///
     /// # Errors
     /// [`PoseError::OutsidePoseSpace`], of the first cluster outside. The pose stays set: set another, or commit this one.
     pub fn commit_inside(&mut self) -> Result<Frame<'_>, PoseError> {
-        self.commit();
-        for (index, instance) in self.instances.iter().enumerate() {
+        let frame = self.commit();
+        frame.prepare();
+        for (index, instance) in self.occupied() {
             let Instance::Asset(instance) = instance else {
                 continue;
             };
-            let Some(active) = instance.clusters.iter().find(|active| active.excess.is_outside) else {
+            let clusters = instance.prepared().clusters.iter();
+            let mut posed = clusters.filter_map(|cluster| Some((cluster.row, cluster.posed_so_far()?)));
+            let Some((row, posed)) = posed.find(|(_, posed)| posed.excess.is_outside) else {
                 continue;
             };
-            let model = instance.asset.model();
-            let bone = model.clusters[active.row as usize].bone as usize;
+            let model = instance.asset().model();
+            let bone = model.clusters[row as usize].bone as usize;
             return Err(PoseError::OutsidePoseSpace {
-                instance: index,
+                instance: index as usize,
                 bone,
                 name: model.meta.bone_names[bone].clone(),
-                excess: active.excess.largest(),
+                excess: posed.excess.largest(),
             });
         }
         Ok(Frame { scene: self })
-    }
-}
-
-fn asset_instance(instances: &mut [Instance], instance: InstanceId) -> Result<&mut AssetInstance, PoseError> {
-    let count = instances.len();
-    let index = instance.index();
-    match instances.get_mut(index) {
-        Some(Instance::Asset(instance)) => Ok(instance),
-        Some(Instance::Geometry(_)) => Err(PoseError::NoAsset { instance: index }),
-        None => Err(PoseError::UnknownInstance { instance: index, count }),
     }
 }

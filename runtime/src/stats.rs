@@ -1,18 +1,28 @@
-use crate::{asset_instance::Active, cluster_frame::Way};
+use crate::{
+    cluster_frame::Way,
+    prepared::{ClusterState, Prepared},
+};
 
-/// What one frame holds and cost to prepare.
+/// What one frame holds, and what rays have needed of it so far: what no ray has reached is not prepared, and not
+/// counted. [`Frame::prepare`](crate::Frame::prepare) prepares everything.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameStats {
     /// Instances in the scene.
     pub instances: u32,
-    /// Clusters of all instances; supplied geometry counts as one each.
+    /// Instances of assets that rays have entered since their pose or place changed.
+    pub instances_entered: u32,
+    /// Of these, those whose vertices are remembered.
+    pub instances_remembered: u32,
+    /// Of these, those that were posed whole.
+    pub instances_whole: u32,
+    /// Clusters that rays have entered. Supplied geometry counts as one each, and clusters in free motion count even
+    /// where no ray came.
     pub clusters: u32,
-    /// Clusters whose frame has no usable inverse (scaled to nothing, flattened, near-singular): their triangles were
-    /// posed for their bounds, and their tree is refitted when a ray enters those.
+    /// Clusters whose frame has no usable inverse (scaled to nothing, flattened, near-singular), and those of vertex caches
+    /// that turn over or collapse between two keys: their triangles were posed and their tree refitted.
     pub clusters_without_inverse: u32,
-    /// Clusters of vertex caches whose trees were built for this frame over all of their posed triangles: in free motion,
-    /// and where a cluster turns over or collapses between two keys. Supplied geometry counts as one each, whether or not
-    /// it had changed.
+    /// Clusters in free motion, whose trees were built for this frame over all of their posed triangles. Supplied geometry
+    /// counts as one each, whether or not it had changed.
     pub clusters_rebuilt: u32,
     /// Clusters whose pose is outside the pose space that their boxes were made for, by more than rounding in `f64`. (A
     /// palette that carries its bones far from the origin is itself rounded there, and leaves the pose space by that: let the
@@ -23,7 +33,7 @@ pub struct FrameStats {
     /// Largest length by which a cluster's boxes are widened for its pose, in the cluster's rest space; inside it is what
     /// rounding adds.
     pub largest_excess: f32,
-    /// Nodes of the top-level tree.
+    /// Nodes of the tree over the instances.
     pub top_level_nodes: u32,
     /// Largest length by which a cluster's boxes are widened for every ray, in the cluster's rest space: rounding and
     /// the excess of its pose. What a ray adds in proportion to its distance is not in it.
@@ -31,11 +41,15 @@ pub struct FrameStats {
 }
 
 impl FrameStats {
-    pub(crate) fn add(&mut self, clusters: &[Active]) {
-        for active in clusters {
-            self.clusters_outside += u32::from(active.excess.is_outside);
-            self.largest_excess = self.largest_excess.max(active.excess.largest() as f32);
-            match &active.frame.way {
+    pub(crate) fn add(&mut self, prepared: &Prepared) {
+        self.instances_entered += 1;
+        self.instances_remembered += u32::from(prepared.is_remembered());
+        self.instances_whole += u32::from(prepared.is_whole());
+        for posed in prepared.clusters.iter().filter_map(ClusterState::posed_so_far) {
+            self.clusters += 1;
+            self.clusters_outside += u32::from(posed.excess.is_outside);
+            self.largest_excess = self.largest_excess.max(posed.excess.largest() as f32);
+            match &posed.frame.way {
                 Way::Local(local) => self.largest_margin = self.largest_margin.max(local.largest_margin()),
                 Way::Refitted => self.clusters_without_inverse += 1,
                 Way::Posed(_) => self.clusters_rebuilt += 1,
@@ -50,23 +64,29 @@ impl FrameStats {
 pub struct TraceCounters {
     /// Rays traced.
     pub rays: u64,
-    /// Inner nodes visited, top level and clusters.
+    /// Inner nodes visited: of the trees over instances, over their clusters and in these.
     pub steps: u64,
+    /// Instances entered.
+    pub instances_entered: u64,
     /// Clusters entered.
     pub clusters_entered: u64,
     /// Boxes of single triangles tested, in leaves.
     pub box_tests: u64,
-    /// Triangles posed and tested: those whose box the ray meets.
+    /// Triangles tested: those whose box the ray meets.
     pub triangle_tests: u64,
+    /// Vertices posed for them.
+    pub vertices_posed: u64,
 }
 
 impl std::ops::AddAssign for TraceCounters {
     fn add_assign(&mut self, other: Self) {
         self.rays += other.rays;
         self.steps += other.steps;
+        self.instances_entered += other.instances_entered;
         self.clusters_entered += other.clusters_entered;
         self.box_tests += other.box_tests;
         self.triangle_tests += other.triangle_tests;
+        self.vertices_posed += other.vertices_posed;
     }
 }
 
@@ -74,9 +94,11 @@ impl std::ops::AddAssign for TraceCounters {
 pub(crate) trait Count {
     fn ray(&mut self) {}
     fn step(&mut self) {}
+    fn instance(&mut self) {}
     fn cluster(&mut self) {}
     fn fuzzy_box(&mut self) {}
     fn triangle(&mut self) {}
+    fn vertex(&mut self) {}
 }
 
 impl Count for () {}
@@ -88,6 +110,9 @@ impl Count for TraceCounters {
     fn step(&mut self) {
         self.steps += 1;
     }
+    fn instance(&mut self) {
+        self.instances_entered += 1;
+    }
     fn cluster(&mut self) {
         self.clusters_entered += 1;
     }
@@ -96,5 +121,8 @@ impl Count for TraceCounters {
     }
     fn triangle(&mut self) {
         self.triangle_tests += 1;
+    }
+    fn vertex(&mut self) {
+        self.vertices_posed += 1;
     }
 }

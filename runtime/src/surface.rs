@@ -1,4 +1,4 @@
-use crate::{Hit, asset_instance::AssetInstance, geometry_instance::GeometryInstance, instance::Instance};
+use crate::{Hit, PoseError, asset_instance::AssetInstance, geometry_instance::GeometryInstance, instance::Instance};
 use restpose_formats::rows::NONE;
 
 /// What was hit, in the source's words.
@@ -31,11 +31,21 @@ pub struct SurfacePoint {
 
 impl SurfacePoint {
     /// Weights and normal in `f64`, rounded once.
-    pub(crate) fn new(hit: &Hit, instance: &Instance) -> Self {
-        match instance {
+    pub(crate) fn new(hit: &Hit, instance: &Instance) -> Result<Self, PoseError> {
+        let count = match instance {
+            Instance::Asset(instance) => instance.asset().model().triangles.len(),
+            Instance::Geometry(instance) => instance.triangles().len(),
+        };
+        if hit.triangle as usize >= count {
+            return Err(PoseError::UnknownTriangle {
+                triangle: hit.triangle,
+                count,
+            });
+        }
+        Ok(match instance {
             Instance::Asset(instance) => Self::of_asset(hit, instance),
             Instance::Geometry(instance) => Self::of_geometry(hit, instance),
-        }
+        })
     }
 
     fn of_geometry(hit: &Hit, instance: &GeometryInstance) -> Self {
@@ -55,8 +65,10 @@ impl SurfacePoint {
     }
 
     fn of_asset(hit: &Hit, instance: &AssetInstance) -> Self {
-        let corners = instance.pose_triangle(instance.cache_of_triangle(hit.triangle), hit.triangle);
-        let model = instance.asset.model();
+        let asset = instance.asset();
+        let model = asset.model();
+        let cache = asset.cache_of_triangle(hit.triangle);
+        let corners = instance.prepared().recomputed_triangle(model, cache, hit.triangle);
         let part = model
             .parts
             .partition_point(|part| part.triangle_first <= hit.triangle)
@@ -97,7 +109,7 @@ fn blend(weights: [f64; 3], points: [[f32; 3]; 3]) -> [f32; 3] {
 
 /// The bone with the greatest weight at the point. Quadratic in the influences of three vertices, which are few.
 fn dominant_bone(instance: &AssetInstance, rows: [usize; 3], weights: [f64; 3]) -> u32 {
-    let model = instance.asset.model();
+    let model = instance.asset().model();
     let weight_of = |bone: u32| -> f64 {
         (0..3)
             .flat_map(|i| model.influences_of(rows[i]).iter().map(move |influence| (i, influence)))

@@ -41,7 +41,7 @@ pub(crate) fn reach(model: &ModelView, cluster: &ClusterRow, reach_of: impl Fn(u
     let rows = &model.cluster_bones[cluster.cluster_bone_first as usize..][..cluster.cluster_bone_count as usize];
     rows.iter().fold([0.0f64; 3], |reach, row| {
         // A morph that underflows is off by up to 2⁻¹⁵⁰ before the bone enlarges it: u times the last term.
-        let moved = reach_of(row.bone, row.extent.map(|x| f64::from(x) + SMALLEST_NORMAL));
+        let moved = reach_of(row.bone, row.extent().map(|x| f64::from(x) + SMALLEST_NORMAL));
         std::array::from_fn(|k| reach[k].max(moved[k]))
     })
 }

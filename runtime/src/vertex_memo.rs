@@ -7,7 +7,7 @@ use std::sync::atomic::{
 ///
 /// Threads share it without waiting: whoever finds a vertex missing poses it and writes it down; all write the same bits.
 /// A reader takes a position only behind its frame's stamp, which is written last.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct VertexMemo {
     /// Three coordinates and the frame that they belong to, per vertex.
     rows: Vec<[AtomicU32; 4]>,
@@ -16,15 +16,9 @@ pub(crate) struct VertexMemo {
 }
 
 impl VertexMemo {
-    pub(crate) fn new(vertices: usize) -> Self {
-        Self {
-            rows: std::iter::repeat_with(Default::default).take(vertices).collect(),
-            frame: 0,
-        }
-    }
-
-    /// Begins a frame: no vertex is posed yet.
-    pub(crate) fn forget(&mut self) {
+    /// Begins a pose: no vertex is posed yet.
+    pub(crate) fn begin(&mut self, vertices: usize) {
+        self.rows.resize_with(vertices, Default::default);
         self.frame = self.frame.wrapping_add(1);
         if self.frame == 0 {
             // Stamps of 2³² frames ago would be taken for new ones.
@@ -55,22 +49,22 @@ mod tests {
 
     #[test]
     fn a_vertex_is_posed_once_per_frame() {
-        let mut memo = VertexMemo::new(2);
-        memo.forget();
+        let mut memo = VertexMemo::default();
+        memo.begin(2);
         assert_eq!(memo.position(1, || [1.0, 2.0, 3.0]), [1.0, 2.0, 3.0]);
         assert_eq!(memo.position(1, || panic!("known")), [1.0, 2.0, 3.0]);
         assert_eq!(memo.position(0, || [4.0; 3]), [4.0; 3]);
-        memo.forget();
+        memo.begin(2);
         assert_eq!(memo.position(1, || [5.0; 3]), [5.0; 3]);
     }
 
     #[test]
     fn stamps_of_an_earlier_round_are_not_taken_for_new() {
-        let mut memo = VertexMemo::new(1);
-        memo.forget();
+        let mut memo = VertexMemo::default();
+        memo.begin(1);
         memo.position(0, || [1.0; 3]);
         memo.frame = u32::MAX;
-        memo.forget();
+        memo.begin(1);
         assert_eq!((memo.frame, memo.position(0, || [2.0; 3])), (1, [2.0; 3]));
     }
 }

@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut scene = Scene::new();
     let walker = scene.add(&asset);
     scene.play(walker, walk, 0.3)?;
-    let mut palette = scene.palette(walker)?.to_vec();
+    let mut palette = scene.pose(walker)?.palette;
 
     // A palette entry maps rest space to asset space: world(joint) · inverse_bind. What is multiplied from the left
     // moves in asset space; here a turn of sixty degrees about the upright axis through the joint.

@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let shot = Ray::new([x, height, 10.0], [0.0, 0.0, -1.0]);
         match frame.closest_hit(&shot) {
             Some(hit) => {
-                let surface = frame.surface(&hit);
+                let surface = frame.surface(&hit)?;
                 println!(
                     "at {height} m: character {}, bone {}, {:.3} m away, triangle {} of mesh {}, decal at {:?} in the rest pose",
                     hit.instance.index(),

@@ -41,7 +41,11 @@ impl Stage {
         let palettes: Vec<Vec<Affine>> = self
             .actors
             .iter()
-            .map(|(instance, ..)| self.scene.palette(*instance).map_or_else(|_| Vec::new(), <[_]>::to_vec))
+            .map(|(instance, ..)| {
+                self.scene
+                    .pose(*instance)
+                    .map_or_else(|_| Vec::new(), |pose| pose.palette)
+            })
             .collect();
         let frame = self.scene.commit();
         let instances: Vec<InstanceId> = self.actors.iter().map(|(instance, ..)| *instance).collect();

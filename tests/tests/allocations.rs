@@ -84,7 +84,6 @@ fn assert_allocates_nothing(name: &str, asset: &Arc<Asset>, poses: &[DrawnPose])
                 pose.set(&mut scene, instance).unwrap();
             }
             let frame = scene.commit();
-            outside += frame.stats().clusters_outside;
             for ray in 0..20 {
                 let x = ray as f32 * 0.1 - 1.0 + step as f32 * 1e-3;
                 let ray = Ray::between([target[0] + x, 10.0, 10.0], target);
@@ -98,6 +97,7 @@ fn assert_allocates_nothing(name: &str, asset: &Arc<Asset>, poses: &[DrawnPose])
                 );
                 hits += u32::from(frame.any_hit(&ray));
             }
+            outside += frame.stats().clusters_outside;
         }
         let allocated = ALLOCATIONS.with(Cell::get) - before;
         assert!(hits > 0, "{name}");

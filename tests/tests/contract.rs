@@ -189,8 +189,8 @@ fn external_palette_equals_clip() {
     let (played, given) = (scene.add(&asset), scene.add(&asset));
     let sample = asset.model().samples[asset.model().samples.len() / 3];
     scene.play(played, sample.clip as usize, sample.seconds).unwrap();
-    let palette = scene.palette(played).unwrap().to_vec();
-    let weights = scene.morph_weights(played).unwrap().to_vec();
+    let palette = scene.pose(played).unwrap().palette;
+    let weights = scene.pose(played).unwrap().morph_weights;
     scene.set_palette(given, &palette, &weights).unwrap();
     let frame = scene.commit();
     for vertex in 0..asset.model().vertices.len() as u32 {

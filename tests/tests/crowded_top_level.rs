@@ -37,6 +37,7 @@ fn identical_instances_give_the_first() {
         stage.scene.commit();
         assert!(start.elapsed() < LONGEST, "{count} boxes took {:?}", start.elapsed());
         let (frame, oracle, marks) = stage.commit();
+        frame.prepare();
         assert_eq!(frame.stats().clusters as usize, count);
         let down = Ray::new([0.0, 0.0, 1.0], [0.0, 0.0, -1.0]);
         let hit = frame.closest_hit(&down).unwrap();

@@ -45,8 +45,8 @@ fn compare(name: &str, animation: &Animation, asset: &Arc<Asset>, source: PoseSo
         let mut scene = Scene::new();
         let instance = scene.add(asset);
         pose.set(&mut scene, instance).unwrap();
-        let palette = scene.palette(instance).unwrap().to_vec();
-        let morph_weights = scene.morph_weights(instance).unwrap().to_vec();
+        let palette = scene.pose(instance).unwrap().palette;
+        let morph_weights = scene.pose(instance).unwrap().morph_weights;
         let frame = scene.commit();
         let rows = frame.clusters().filter(|cluster| cluster.has_inverse);
         let excess: Vec<(u32, [f64; 3])> = rows
@@ -110,7 +110,7 @@ fn rounding_limit(model: &ModelView, cluster: &ClusterRow, palette: &[Affine], m
     for (bone, lever) in model.cluster_bones[rows.clone()].iter().zip(&model.levers[rows]) {
         let length = |x: [f32; 3]| x.iter().map(|x| f64::from(x.abs())).sum::<f64>();
         let map = &palette[bone.bone as usize];
-        let reach = length(bone.extent) + 2.0 * length(lever.pivot) + morphed;
+        let reach = length(bone.extent()) + 2.0 * length(lever.pivot) + morphed;
         let offset = translation(map).norm() + translation(own).norm();
         sum += (inverse * linear(map).norm() + 1.0) * reach + inverse * offset;
     }

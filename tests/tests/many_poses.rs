@@ -94,6 +94,7 @@ fn compare(seed: u64) -> Found {
             );
             found.hits += u64::from(hit.is_some());
         }
+        frame.prepare();
         let stats = frame.stats();
         assert!(
             !of_clips || stats.clusters_outside == 0,

@@ -51,7 +51,8 @@ fn traced(frame: &Frame, instances: &[InstanceId]) -> (Vec<Option<Hit>>, FrameSt
         assert_eq!(*hit, oracle.closest_hit(ray), "{ray:?}");
     }
     assert!(hits.iter().flatten().count() > 40);
-    (hits, *frame.stats())
+    frame.prepare();
+    (hits, frame.stats())
 }
 
 /// The continuous motion of every clip is inside its pose space, at times that no sample knows.
@@ -70,6 +71,7 @@ fn clips_never_leave_their_pose_space() {
                     let seconds = row.start_seconds + random.f32() * (row.end_seconds - row.start_seconds);
                     scene.play(instance, clip, seconds).unwrap();
                     let frame = scene.commit();
+                    frame.prepare();
                     assert_eq!(
                         frame.stats().clusters_outside,
                         0,
@@ -111,7 +113,8 @@ fn poses_outside_are_refused_where_the_caller_asks_for_it() {
         assert!(excess > 0.0 && excess.is_finite(), "{excess}");
         // The first cluster outside, with what it would be widened by.
         let frame = scene.commit();
-        let stats = *frame.stats();
+        frame.prepare();
+        let stats = frame.stats();
         assert!(stats.clusters_outside > 0 && f64::from(stats.largest_excess) >= excess * (1.0 - 1e-6));
         let widest = |excess: [f64; 3]| excess.into_iter().fold(0.0, f64::max);
         let named = frame
@@ -135,10 +138,10 @@ fn refused_palettes_leave_nothing_stale() {
     let walker = scene.add(&asset);
     let poses = of_family(&animation, &asset, PoseFamily::Ragdoll, 2);
     poses[0].set(&mut scene, walker).unwrap();
-    let palette = scene.palette(walker).unwrap().to_vec();
+    let palette = scene.pose(walker).unwrap().palette;
     let expected = traced(&scene.commit(), &[walker]);
     poses[1].set(&mut scene, walker).unwrap();
-    let good = scene.palette(walker).unwrap().to_vec();
+    let good = scene.pose(walker).unwrap().palette;
     poses[0].set(&mut scene, walker).unwrap();
 
     for length in [0, good.len() - 1, good.len() + 1] {
@@ -162,7 +165,7 @@ fn refused_palettes_leave_nothing_stale() {
             Err(PoseError::BoneNotFinite { bone, name })
         );
     }
-    assert_eq!(scene.palette(walker).unwrap(), palette);
+    assert_eq!(scene.pose(walker).unwrap().palette, palette);
     assert_eq!(traced(&scene.commit(), &[walker]), expected);
 }
 

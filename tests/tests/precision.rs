@@ -161,7 +161,7 @@ fn vertices_are_as_precise_as_documented() {
         let transform = Affine::from_translation([distance, -0.7 * distance, 0.3 * distance]);
         let mut stage = Stage::default();
         let instance = stage.add(&asset, transform, 3);
-        let palette = stage.scene.palette(instance).unwrap().to_vec();
+        let palette = stage.scene.pose(instance).unwrap().palette;
         let (frame, ..) = stage.commit();
         let (mut worst, mut worst_bound) = (0.0f64, 0.0f64);
         for vertex in 0..model.vertices.len() - 1 {

@@ -83,7 +83,7 @@ fn any_map_of_a_bone_equals_brute_force() {
             for bone in [None, Some(bones - 2), Some(bones - 1)] {
                 let mut stage = Stage::default();
                 let instance = stage.add(&asset, Affine::IDENTITY, 3);
-                let mut palette = stage.scene.palette(instance).unwrap().to_vec();
+                let mut palette = stage.scene.pose(instance).unwrap().palette;
                 for (index, entry) in palette.iter_mut().enumerate() {
                     if bone.is_none_or(|bone| bone == index) {
                         *entry = map;
@@ -140,7 +140,7 @@ fn singular_factors_equal_brute_force() {
         ] {
             let mut stage = Stage::default();
             let instance = stage.add(&asset, stretched(first), 3);
-            let palette: Vec<Affine> = stage.scene.palette(instance).unwrap().to_vec();
+            let palette: Vec<Affine> = stage.scene.pose(instance).unwrap().palette;
             let stretched: Vec<Affine> = palette.iter().map(|bone| stretched(second) * *bone).collect();
             stage.scene.set_palette(instance, &stretched, &[]).unwrap();
             let name = format!("{name}, {first:?} after {second:?}");
@@ -156,7 +156,7 @@ fn bones_a_kilometre_apart_equal_brute_force() {
         for distance in [1e3f32, 1e6, 1e9] {
             let mut stage = Stage::default();
             let instance = stage.add(&asset, Affine::IDENTITY, 3);
-            let mut palette = stage.scene.palette(instance).unwrap().to_vec();
+            let mut palette = stage.scene.pose(instance).unwrap().palette;
             for (index, bone) in palette.iter_mut().enumerate() {
                 bone.columns[3][index % 3] += distance * index as f32;
             }

@@ -178,7 +178,7 @@ fn a_hit_tells_the_triangle_and_the_point_before_the_transform() {
         .closest_hit(&Ray::new([11.0, 2.0, 5.0], [0.0, 0.0, -1.0]))
         .unwrap();
     assert_eq!((hit.instance, hit.triangle, hit.t), (wall, 1, 5.0));
-    let surface = frame.surface(&hit);
+    let surface = frame.surface(&hit).unwrap();
     assert_eq!(surface.position_world, [11.0, 2.0, 0.0]);
     assert_eq!(surface.position_rest, [1.0, 2.0, 0.0]);
     assert_eq!(surface.normal_world, [0.0, 0.0, 1.0]);
@@ -221,7 +221,7 @@ fn bad_geometry_is_refused_and_the_old_stays() {
     assert_eq!(scene.set_default_pose(wall), no_asset);
     assert_eq!(scene.set_cache_frames(wall, &[]), no_asset);
     assert_eq!(
-        scene.palette(wall).map(<[_]>::len),
+        scene.pose(wall).map(|pose| pose.palette.len()),
         Err(PoseError::NoAsset { instance: 0 })
     );
     let surface = restpose_samples::solids::sphere(1);

@@ -34,7 +34,7 @@ fn hits_name_the_sources_triangle_point_bone_and_normal() {
         let mut checked = 0;
         for ray in Rays::new(&oracle, 31).step_by(7).take(600) {
             let Some(hit) = frame.closest_hit(&ray) else { continue };
-            let surface = frame.surface(&hit);
+            let surface = frame.surface(&hit).unwrap();
             let part = surface.part as usize;
             assert_eq!(surface.source_node as usize, reference.parts()[part].node);
             assert_eq!(surface.source_mesh as usize, reference.parts()[part].mesh);

@@ -1,18 +1,19 @@
 use super::{
     cluster_morphs::MorphCover,
     levers,
-    numbers::{extent, index, index_within, within_extent},
+    numbers::{index, index_within, reserved, solid_box, within_box},
     row,
     segments::Segment,
 };
 use crate::{
     FormatError, ModelView, RowFault, SectionKind,
+    geom::Aabb,
     rows::{ClusterRow, NONE, TriangleRow},
 };
 use std::ops::Range;
 
-/// Checks that a cluster lists exactly the bones, in a segment of a cache the tracks, that move its vertices, with extents
-/// that reach all of these, and with a pose space levers too; and the same of its morph targets.
+/// Checks that a cluster lists exactly the bones, in a segment of a cache the tracks, that move its vertices, with boxes
+/// that contain all of these, and with a pose space levers too; and the same of its morph targets.
 ///
 /// Run-time margins are computed from these rows alone: one that is missing or too small would lose hits.
 pub(super) struct Cover<'a> {
@@ -24,9 +25,9 @@ pub(super) struct Cover<'a> {
     used: Vec<bool>,
     /// Per vertex, the last cluster that it was checked for, or `NONE`.
     checked_for: Vec<u32>,
-    /// Per vertex, the last segment in which it was met, or `NONE`, and how far its stored numbers reach there. Empty
-    /// without caches.
-    reaches: Vec<(u32, [f32; 3])>,
+    /// Per vertex, the last segment in which it was met, or `NONE`, and the box of its stored numbers there. Empty without
+    /// caches.
+    stored: Vec<(u32, Aabb)>,
     morphs: MorphCover<'a>,
 }
 
@@ -38,7 +39,7 @@ impl<'a> Cover<'a> {
             row_of_mover: vec![None; view.bones.len().max(view.tracks.len())],
             used: vec![false; view.cluster_bones.len()],
             checked_for: vec![NONE; view.vertices.len()],
-            reaches: vec![(NONE, [0.0; 3]); if view.caches.is_empty() { 0 } else { view.vertices.len() }],
+            stored: vec![(NONE, Aabb::EMPTY); if view.caches.is_empty() { 0 } else { view.vertices.len() }],
             morphs: MorphCover::new(view),
         }
     }
@@ -71,13 +72,14 @@ impl<'a> Cover<'a> {
                 return Err(row(section, at, fault));
             }
             previous = Some(found);
-            extent(section, at, "extent", &listed.extent)?;
+            reserved(section, at, "reserved", &[listed.reserved])?;
+            solid_box(section, at, "bounds", &listed.bounds)?;
             self.row_of_mover[mover] = Some(at);
         }
         self.morphs.enter(at)
     }
 
-    /// What moves the triangle's vertices is listed, with extents that reach them.
+    /// What moves the triangle's vertices is listed, with boxes that contain them.
     pub(super) fn triangle(
         &mut self,
         triangle: &TriangleRow,
@@ -108,8 +110,8 @@ impl<'a> Cover<'a> {
                 return Err(row(SectionKind::Clusters, self.cluster, fault));
             };
             self.used[at] = true;
-            let reach = view.cluster_bones[at].extent;
-            within_extent(SectionKind::Vertices, vertex, "position_rest", position, reach, at)?;
+            let bounds = &view.cluster_bones[at].bounds;
+            within_box(SectionKind::Vertices, vertex, "position_rest", position, bounds, at)?;
             let own = influence.bone == view.clusters[self.cluster].bone;
             if at < view.levers.len() && !own {
                 levers::check_reach(view, at, vertex, influence.weight)?;
@@ -130,20 +132,15 @@ impl<'a> Cover<'a> {
             return Err(row(SectionKind::Clusters, self.cluster, fault));
         };
         self.used[at] = true;
-        let (met, reach) = &mut self.reaches[vertex];
+        let (met, own) = &mut self.stored[vertex];
         if *met != segment.at as u32 {
             *met = segment.at as u32;
-            *reach = stored.reach(view.key_words, segment.row.key_count);
+            *own = stored.bounds(view.key_words, segment.row.key_count);
         }
-        let extent = view.cluster_bones[at].extent;
-        within_extent(
-            SectionKind::KeyVertices,
-            key_vertex,
-            "stored numbers",
-            *reach,
-            extent,
-            at,
-        )
+        let bounds = &view.cluster_bones[at].bounds;
+        let (section, field) = (SectionKind::KeyVertices, "stored numbers");
+        within_box(section, key_vertex, field, own.min, bounds, at)?;
+        within_box(section, key_vertex, field, own.max, bounds, at)
     }
 
     /// Ends the cluster; everything that it lists has moved a vertex.

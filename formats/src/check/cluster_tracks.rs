@@ -8,8 +8,8 @@ use crate::{
     rows::{ClusterRow, NONE},
 };
 
-/// The clusters of a segment have tracks of it and its cache's bone; each track with keys moves one cluster; a cluster in
-/// free motion has a leaf for a tree. Clusters' ranges, segments and tracks have been checked.
+/// The clusters of a segment have tracks of it and its cache's bone; each track with keys moves one cluster and has a
+/// tree; a cluster in free motion has none. Clusters' ranges, segments and tracks have been checked.
 pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
     // Per track with keys, the cluster that it moves.
     let mut moved = vec![NONE; view.tracks.len()];
@@ -20,6 +20,13 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
             if view.tracks[track].key_first == NONE {
                 check_free(at, cluster)?;
                 continue;
+            }
+            if cluster.node_count == 0 {
+                return Err(row(
+                    SectionKind::Clusters,
+                    at,
+                    RowFault::EmptyRange { field: "node_count" },
+                ));
             }
             let other = std::mem::replace(&mut moved[track], at as u32);
             if other != NONE {
@@ -52,11 +59,10 @@ fn check_cluster(segment: &Segment<'_>, at: usize, cluster: &ClusterRow) -> Resu
     Err(row(section, at, RowFault::NotTheCachesBone { found, expected }))
 }
 
-/// One node, and as many references as triangles. Whether the node is a leaf and the triangles are distinct is checked
-/// with all trees and clusters.
+/// No nodes, and as many references as triangles. Whether the triangles are distinct is checked with all clusters.
 fn check_free(at: usize, cluster: &ClusterRow) -> Result<(), FormatError> {
     let counts = [
-        ("node_count", cluster.node_count, 1),
+        ("node_count", cluster.node_count, 0),
         ("reference_count", cluster.reference_count, cluster.triangle_count),
     ];
     match counts.into_iter().find(|(_, found, expected)| found != expected) {

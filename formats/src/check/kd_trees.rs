@@ -7,8 +7,8 @@ use crate::{
 /// Marks a node that no node before it has as a child.
 const UNREACHED: u8 = u8::MAX;
 
-/// Every cluster's nodes form one tree, rooted in its first node, and its leaves share out its references. Cluster
-/// ranges have been checked.
+/// Every cluster's nodes form one kd-tree, rooted in its first node, and its leaves share out its references. Cluster
+/// ranges, and that clusters in free motion alone have no nodes, have been checked.
 pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
     // Inner nodes above each node.
     let mut depths = vec![UNREACHED; view.kd_nodes.len()];
@@ -33,7 +33,11 @@ fn check_tree(
     let first_reference = cluster.reference_first as usize;
     let held = &mut held[first_reference..first_reference + cluster.reference_count as usize];
     let depths = &mut depths[nodes.clone()];
-    depths[0] = 0;
+    match depths.first_mut() {
+        Some(root) => *root = 0,
+        // In free motion references are a list, of which no tree holds a part.
+        None => held.fill(true),
+    }
     // Children stand behind their parents, so one pass meets every parent first.
     for (own, node) in view.kd_nodes[nodes].iter().enumerate() {
         let at = first + own;

@@ -4,6 +4,7 @@
 //! earlier one has found in range, and by nothing else.
 
 mod caches;
+mod clip_bounds;
 mod clips;
 mod cluster_bones;
 mod cluster_morphs;
@@ -25,8 +26,9 @@ mod skeleton;
 mod tiling;
 mod tracks;
 mod vertices;
+mod wide_trees;
 
-use crate::{FormatError, ModelView, RowFault, SectionKind};
+use crate::{FormatError, ModelView, RowFault, SectionKind, TreeKind};
 
 /// Checks every rule. One implementation serves reader and writer.
 ///
@@ -46,10 +48,16 @@ pub(crate) fn model(view: &ModelView<'_>) -> Result<(), FormatError> {
     tracks::check(view)?;
     key_vertices::check(view)?;
     clips::check(view)?;
+    clip_bounds::check(view)?;
     clusters::check(view)?;
     cluster_tracks::check(view)?;
-    kd_trees::check(view)?;
-    reference_boxes::check(view)?;
+    match view.meta.tree {
+        TreeKind::Kd => {
+            kd_trees::check(view)?;
+            reference_boxes::check(view)?;
+        }
+        TreeKind::Wide => wide_trees::check(view)?,
+    }
     pose_spaces::check(view)?;
     levers::check(view)?;
     envelopes::check(view)?;

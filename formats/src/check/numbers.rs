@@ -61,6 +61,32 @@ pub(super) fn within_extent(
     Ok(())
 }
 
+/// Every value lies in the box that row `box_row` gives.
+pub(super) fn within_box(
+    section: SectionKind,
+    at: usize,
+    field: &'static str,
+    values: [f32; 3],
+    bounds: &Aabb,
+    box_row: usize,
+) -> Result<(), FormatError> {
+    for axis in 0..3 {
+        let (found, min, max) = (values[axis], bounds.min[axis], bounds.max[axis]);
+        if found < min || found > max {
+            let fault = RowFault::OutsideBox {
+                field,
+                axis,
+                found,
+                min,
+                max,
+                box_row: box_row as u64,
+            };
+            return Err(row(section, at, fault));
+        }
+    }
+    Ok(())
+}
+
 /// A reserved place is zero, bit for bit.
 pub(super) fn reserved(section: SectionKind, at: usize, field: &'static str, words: &[u32]) -> Result<(), FormatError> {
     if words.iter().all(|word| *word == 0) {

@@ -136,23 +136,22 @@ impl KeyVertexRow {
         (u64::from(self.record_bits()) * u64::from(key_count)).div_ceil(32)
     }
 
-    /// Bounds the magnitudes, per axis, of the stored numbers of all keys: exact for raw positions.
+    /// Contains the stored numbers of all keys: every number that the widths have room for, or just the raw positions.
     ///
     /// # Panics
     /// When the rows were never checked and the row breaks their rules.
     #[must_use]
-    pub fn reach(&self, words: &[u32], key_count: u32) -> [f32; 3] {
+    pub fn bounds(&self, words: &[u32], key_count: u32) -> Aabb {
         if self.raw == 0 {
-            return std::array::from_fn(|k| {
-                let [least, greatest] = self.lattice_range(k);
-                least.unsigned_abs().max(greatest.unsigned_abs()) as f32
-            });
+            let ranges = [0, 1, 2].map(|k| self.lattice_range(k));
+            return Aabb {
+                min: ranges.map(|[least, _]| least as f32),
+                max: ranges.map(|[_, greatest]| greatest as f32),
+            };
         }
         let first = self.word_first as usize;
         let (points, _) = words[first..first + self.word_count(key_count) as usize].as_chunks::<3>();
-        points.iter().fold([0.0f32; 3], |reach, point| {
-            std::array::from_fn(|k| reach[k].max(f32::from_bits(point[k]).abs()))
-        })
+        Aabb::around(points.iter().map(|point| point.map(f32::from_bits)))
     }
 
     /// The least and the greatest lattice coordinate that a record may hold on an axis. Widths are in range.
@@ -223,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn reach_bounds_every_stored_number() {
+    fn bounds_contain_every_stored_number() {
         let lattice = KeyVertexRow {
             base: [-5, 0, 9],
             track: 0,
@@ -231,7 +230,11 @@ mod tests {
             widths: [3, 0, 4],
             raw: 0,
         };
-        assert_eq!(lattice.reach(&[], 7), [5.0, 0.0, 24.0]);
+        let expected = Aabb {
+            min: [-5.0, 0.0, 9.0],
+            max: [2.0, 0.0, 24.0],
+        };
+        assert_eq!(lattice.bounds(&[], 7), expected);
         let raw = KeyVertexRow {
             base: [0; 3],
             word_first: 1,
@@ -240,7 +243,11 @@ mod tests {
             ..lattice
         };
         let numbers = [f32::MAX, 1.0, -2.0, 0.0, -3.0, 4.0, 0.5, f32::MAX, f32::MAX];
-        assert_eq!(raw.reach(&numbers.map(f32::to_bits), 2), [3.0, 4.0, 0.5]);
+        let expected = Aabb {
+            min: [-3.0, -2.0, 0.0],
+            max: [1.0, 4.0, 0.5],
+        };
+        assert_eq!(raw.bounds(&numbers.map(f32::to_bits), 2), expected);
     }
 
     #[test]

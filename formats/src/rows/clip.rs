@@ -1,3 +1,4 @@
+use crate::geom::Aabb;
 use bytemuck::{Pod, Zeroable};
 
 /// An animation clip. Its name is in the metadata.
@@ -108,4 +109,42 @@ pub struct SampleRow {
     pub clip: u32,
     /// Time in that clip, seconds.
     pub seconds: f32,
+}
+
+/// Where the triangles of an asset are during a clip.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct ClipBoundsRow {
+    /// Contains, at every time of the clip, every posed vertex of every triangle with area, in asset space.
+    /// [`Aabb::EMPTY`] where nothing is known.
+    pub bounds: Aabb,
+    /// 1 where `bounds` holds, 0 where nothing is known.
+    pub known: u32,
+    /// Zero.
+    pub reserved: u32,
+}
+
+impl ClipBoundsRow {
+    /// The row of a clip that nothing bounds.
+    pub const UNKNOWN: Self = Self {
+        bounds: Aabb::EMPTY,
+        known: 0,
+        reserved: 0,
+    };
+
+    /// The row of a clip that stays within `bounds`.
+    #[must_use]
+    pub fn within(bounds: Aabb) -> Self {
+        Self {
+            bounds,
+            known: 1,
+            reserved: 0,
+        }
+    }
+
+    /// The box, where it is known.
+    #[must_use]
+    pub fn bounds(&self) -> Option<Aabb> {
+        (self.known != 0).then_some(self.bounds)
+    }
 }

@@ -7,9 +7,9 @@ use bytemuck::{Pod, Zeroable};
 pub struct ClusterRow {
     /// Bone whose `X` is the cluster frame; where there is a track, `X` times the track's map is.
     pub bone: u32,
-    /// First node row of its tree, the root.
+    /// First node row of its tree, the root, in the section of the file's [kind of trees](crate::TreeKind).
     pub node_first: u32,
-    /// Node rows of its tree.
+    /// Node rows of its tree; none in free motion.
     pub node_count: u32,
     /// First row in the reference section.
     pub reference_first: u32,
@@ -24,20 +24,31 @@ pub struct ClusterRow {
     /// Box around all of its fuzzy boxes, in the cluster's local space.
     pub bounds_local: Aabb,
     /// Track row that moves it against its bone, or `NONE`. A track without keys marks free motion: no tree holds from one
-    /// frame to the next, and the stored one is a single leaf.
+    /// frame to the next, and none is stored.
     pub track: u32,
     /// Zero.
     pub reserved: u32,
 }
 
-/// A bone, or in a cluster with a track a track, that moves vertices of a cluster, and how far these lie from the origin of
-/// the space that it maps from.
+/// A bone, or in a cluster with a track a track, that moves vertices of a cluster, and where these lie in the space that it
+/// maps from.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ClusterBoneRow {
     /// Bone row; track row in a cluster with a track.
     pub bone: u32,
-    /// Largest `|position_rest|` per axis over the cluster's vertices that this bone moves. For a track, at least the
-    /// largest stored number: `max(|base|, |base + 2^width − 1|)`, or that of its raw positions.
-    pub extent: [f32; 3],
+    /// Contains the rest positions of the cluster's vertices that this bone moves. For a track, it contains their
+    /// [stored numbers](super::KeyVertexRow::bounds) at all keys of the segment.
+    pub bounds: Aabb,
+    /// Zero.
+    pub reserved: u32,
+}
+
+impl ClusterBoneRow {
+    /// Largest magnitude in the box, per axis.
+    #[inline]
+    #[must_use]
+    pub fn extent(&self) -> [f32; 3] {
+        std::array::from_fn(|k| self.bounds.min[k].abs().max(self.bounds.max[k].abs()))
+    }
 }

@@ -15,7 +15,7 @@ mod vertex;
 mod wide_node;
 
 pub use cache::{CacheRow, KeyRow, KeyVertexRow, SegmentRow, TrackRow};
-pub use clip::{ChannelRow, ClipRow, Interpolation, Path, SampleRow};
+pub use clip::{ChannelRow, ClipBoundsRow, ClipRow, Interpolation, Path, SampleRow};
 pub use cluster::{ClusterBoneRow, ClusterRow};
 pub use envelope::{BoneEnvelopeRow, ClusterMorphRow, LeverRow, MorphEnvelopeRow, PoseSpaceRow};
 pub use kd_node::{KdNode, KdNodeRow, MAX_KD_DEPTH};

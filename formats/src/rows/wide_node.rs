@@ -12,7 +12,7 @@ pub const MAX_WIDE_DEPTH: usize = 32;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct WideNodeRow {
-    /// Least corners: per axis, per child.
+    /// Least corners: per axis, per child. The coordinates of empty places are [`u16::MAX`], here and in `max`.
     pub min: [[u16; 8]; 3],
     /// Greatest corners; not below the least.
     pub max: [[u16; 8]; 3],

@@ -3,7 +3,7 @@
 
 use crate::{
     fixture::{FLAG, FLAG_CACHE, SPARK, SPARK_CACHE, model},
-    golden::V1_2,
+    golden::V1_3,
 };
 
 fn u16_at(bytes: &[u8], at: usize) -> u16 {
@@ -40,7 +40,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 }
 
 /// The codes and row sizes of `FORMAT.md`, section 2.
-const SECTIONS: [(&[u8; 4], usize); 33] = [
+const SECTIONS: [(&[u8; 4], usize); 35] = [
     (b"META", 1),
     (b"PART", 48),
     (b"PRIM", 16),
@@ -58,6 +58,7 @@ const SECTIONS: [(&[u8; 4], usize); 33] = [
     (b"KTIM", 4),
     (b"KVAL", 4),
     (b"SAMP", 8),
+    (b"CBND", 32),
     (b"CACH", 32),
     (b"SEGM", 32),
     (b"TRAK", 32),
@@ -65,8 +66,9 @@ const SECTIONS: [(&[u8; 4], usize); 33] = [
     (b"KVRT", 24),
     (b"KWRD", 4),
     (b"CLUS", 64),
-    (b"CBON", 16),
+    (b"CBON", 32),
     (b"KDND", 8),
+    (b"WDND", 128),
     (b"REFS", 4),
     (b"RBOX", 12),
     (b"PSPC", 32),
@@ -76,18 +78,23 @@ const SECTIONS: [(&[u8; 4], usize); 33] = [
     (b"MENV", 8),
 ];
 
-/// The rows of a section, found through the table.
+/// The rows of a section of the golden file with kd-trees, found through the table.
 pub fn rows(code: &[u8; 4]) -> Vec<&'static [u8]> {
+    rows_of(V1_3, code)
+}
+
+/// The rows of a section of a file.
+pub fn rows_of<'a>(file: &'a [u8], code: &[u8; 4]) -> Vec<&'a [u8]> {
     let line = SECTIONS
         .iter()
         .position(|(known, _)| *known == code)
         .expect("a code of the format");
     let at = 128 + 40 * line;
-    assert_eq!(&V1_2[at..at + 4], code);
-    let (offset, byte_len) = (u64_at(V1_2, at + 16) as usize, u64_at(V1_2, at + 24) as usize);
-    let section = &V1_2[offset..offset + byte_len];
-    let rows: Vec<_> = section.chunks_exact(u32_at(V1_2, at + 8) as usize).collect();
-    assert_eq!(rows.len() as u64, u64_at(V1_2, at + 32));
+    assert_eq!(&file[at..at + 4], code);
+    let (offset, byte_len) = (u64_at(file, at + 16) as usize, u64_at(file, at + 24) as usize);
+    let section = &file[offset..offset + byte_len];
+    let rows: Vec<_> = section.chunks_exact(u32_at(file, at + 8) as usize).collect();
+    assert_eq!(rows.len() as u64, u64_at(file, at + 32));
     rows
 }
 
@@ -104,34 +111,34 @@ pub(crate) use same;
 
 #[test]
 fn header_and_table_are_as_the_text_says() {
-    assert_eq!(V1_2[..10], [0x8B, 0x52, 0x50, 0x4F, 0x53, 0x45, 0x0D, 0x0A, 0x1A, 0x0A]);
-    assert_eq!((u16_at(V1_2, 10), u16_at(V1_2, 12), u16_at(V1_2, 14)), (1, 2, 0));
-    assert_eq!((u32_at(V1_2, 16), u64_at(V1_2, 24)), (128, V1_2.len() as u64));
-    assert_eq!((u64_at(V1_2, 32), u64_at(V1_2, 40)), (0, 0));
-    assert_eq!((u32_at(V1_2, 48), u32_at(V1_2, 52), u64_at(V1_2, 120)), (33, 0, 0));
+    assert_eq!(V1_3[..10], [0x8B, 0x52, 0x50, 0x4F, 0x53, 0x45, 0x0D, 0x0A, 0x1A, 0x0A]);
+    assert_eq!((u16_at(V1_3, 10), u16_at(V1_3, 12), u16_at(V1_3, 14)), (1, 3, 0));
+    assert_eq!((u32_at(V1_3, 16), u64_at(V1_3, 24)), (128, V1_3.len() as u64));
+    assert_eq!((u64_at(V1_3, 32), u64_at(V1_3, 40)), (0, 0));
+    assert_eq!((u32_at(V1_3, 48), u32_at(V1_3, 52), u64_at(V1_3, 120)), (35, 0, 0));
     assert_eq!(
-        (&V1_2[56..88], &V1_2[88..120]),
+        (&V1_3[56..88], &V1_3[88..120]),
         (&model().hashes.source[..], &model().hashes.options[..])
     );
-    let mut sealed = V1_2[..128 + 40 * 33].to_vec();
+    let mut sealed = V1_3[..128 + 40 * 35].to_vec();
     sealed[20..24].fill(0);
-    assert_eq!(u32_at(V1_2, 20), crc32(&sealed));
+    assert_eq!(u32_at(V1_3, 20), crc32(&sealed));
 
     let mut end = sealed.len();
     for (line, (code, row_size)) in SECTIONS.iter().enumerate() {
         let at = 128 + 40 * line;
-        assert_eq!(&V1_2[at..at + 4], *code);
+        assert_eq!(&V1_3[at..at + 4], *code);
         assert_eq!(
-            (u16_at(V1_2, at + 4), u16_at(V1_2, at + 6), u32_at(V1_2, at + 8)),
+            (u16_at(V1_3, at + 4), u16_at(V1_3, at + 6), u32_at(V1_3, at + 8)),
             (1, 0, *row_size as u32)
         );
-        let (offset, byte_len) = (u64_at(V1_2, at + 16) as usize, u64_at(V1_2, at + 24) as usize);
+        let (offset, byte_len) = (u64_at(V1_3, at + 16) as usize, u64_at(V1_3, at + 24) as usize);
         assert_eq!(offset, end.div_ceil(64) * 64);
-        assert!(V1_2[end..offset].iter().all(|byte| *byte == 0));
-        assert_eq!(u32_at(V1_2, at + 12), crc32(&V1_2[offset..offset + byte_len]));
+        assert!(V1_3[end..offset].iter().all(|byte| *byte == 0));
+        assert_eq!(u32_at(V1_3, at + 12), crc32(&V1_3[offset..offset + byte_len]));
         end = offset + byte_len;
     }
-    assert_eq!(end, V1_2.len());
+    assert_eq!(end, V1_3.len());
 }
 
 #[test]
@@ -168,6 +175,9 @@ fn rows_are_as_the_text_says() {
     same!(b"KTIM", m.key_times, b => f32s::<1>(b, 0), r => [*r]);
     same!(b"KVAL", m.key_values, b => f32s::<1>(b, 0), r => [*r]);
     same!(b"SAMP", m.samples, b => (u32_at(b, 0), f32s::<1>(b, 4)), r => (r.clip, [r.seconds]));
+    same!(b"CBND", m.clip_bounds, b => (f32s::<3>(b, 0), f32s::<3>(b, 12), u32s::<2>(b, 24)), r => (
+        r.bounds.min, r.bounds.max, [r.known, r.reserved],
+    ));
     same!(b"CACH", m.caches, b => (u32s::<5>(b, 0), f32s::<1>(b, 20), u32s::<2>(b, 24)), r => (
         [r.part, r.bone, r.key_count, r.segment_first, r.segment_count], [r.position_error], r.reserved,
     ));
@@ -193,7 +203,9 @@ fn rows_are_as_the_text_says() {
         ],
         r.bounds_local.min, r.bounds_local.max, [r.track, r.reserved],
     ));
-    same!(b"CBON", m.cluster_bones, b => (u32_at(b, 0), f32s::<3>(b, 4)), r => (r.bone, r.extent));
+    same!(b"CBON", m.cluster_bones, b => (u32_at(b, 0), f32s::<3>(b, 4), f32s::<3>(b, 16), u32_at(b, 28)), r => (
+        r.bone, r.bounds.min, r.bounds.max, r.reserved,
+    ));
     same!(b"REFS", m.references, b => u32_at(b, 0), r => *r);
     same!(b"RBOX", m.reference_boxes, b => (u16s(b, 0), u16s(b, 6)), r => (r.min, r.max));
 
@@ -207,8 +219,6 @@ fn rows_are_as_the_text_says() {
             inner,
             [1 << 2 | 3, 0],
             [2 << 2 | 3, 1],
-            [1 << 2 | 3, 0],
-            [1 << 2 | 3, 0],
             [1 << 2 | 3, 0],
             [1 << 2 | 3, 0],
             [1 << 2 | 3, 0],
@@ -286,9 +296,9 @@ fn metadata_is_as_the_text_says() {
         assert_eq!(strings(&mut at), names);
     }
     assert_eq!(
-        (number(&mut at), number(&mut at)),
-        (1, 2),
-        "envelope bounds, two degenerate triangles"
+        [(); 3].map(|()| number(&mut at)),
+        [1, 0, 2],
+        "envelope bounds, kd-trees, two degenerate triangles"
     );
     assert_eq!(at, bytes.len());
 }

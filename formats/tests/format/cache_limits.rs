@@ -114,26 +114,24 @@ fn a_long_vertex_in_many_clusters_is_looked_at_once() {
     m.triangles.splice(9.., vec![m.triangles[9]; COUNT as usize]);
     m.parts[3].triangle_count = COUNT;
     m.primitives[4].triangle_count = COUNT;
-    m.cluster_bones[5].extent = [2.0; 3];
+    m.cluster_bones[5].bounds.min = [2.0; 3];
+    m.cluster_bones[5].bounds.max = [2.0; 3];
     let more = COUNT - 1;
     m.segments[0].cluster_count = COUNT;
     for segment in &mut m.segments[1..] {
         segment.cluster_first += more;
     }
     for cluster in &mut m.clusters[4..] {
-        cluster.node_first += more;
         cluster.reference_first += more;
         cluster.cluster_bone_first += more;
     }
     let first = m.clusters[3];
     let clusters = (0..COUNT).map(|at| ClusterRow {
-        node_first: first.node_first + at,
         reference_first: first.reference_first + at,
         cluster_bone_first: first.cluster_bone_first + at,
         ..first
     });
     m.clusters.splice(3..4, clusters);
-    m.kd_nodes.splice(5..6, vec![m.kd_nodes[5]; COUNT as usize]);
     m.cluster_bones.splice(5..6, vec![m.cluster_bones[5]; COUNT as usize]);
     m.references.splice(6..7, 9..9 + COUNT);
     m.reference_boxes

@@ -213,21 +213,27 @@ rules! {
     every_track_with_keys_moves_a_cluster:
         |m| {
             m.clusters[6].track = 4;
-            m.clusters[6].reference_count = 1;
+            m.clusters[6].node_count = 0;
+            m.clusters[7].node_first = 7;
+            m.kd_nodes.pop();
         }
         => at!(Tracks, 3, TrackUnused),
-    free_motion_has_a_leaf_for_a_tree:
+    free_motion_has_no_tree:
         |m| {
-            let inner = KdNode::Inner { axis: 0, split: 0.5, left: 1 };
-            let empty = KdNode::Leaf { first: 0, count: 0 };
-            m.kd_nodes.splice(9..9, [KdNodeRow::pack(inner), KdNodeRow::pack(empty)]);
-            m.clusters[7].node_count = 3;
+            m.kd_nodes.push(KdNodeRow::pack(KdNode::Leaf { first: 0, count: 1 }));
+            m.clusters[7].node_count = 1;
         }
-        => at!(Clusters, 7, Count { field: "node_count", found: 3, expected: 1 }),
+        => at!(Clusters, 7, Count { field: "node_count", found: 1, expected: 0 }),
+    a_cluster_with_keys_has_a_tree:
+        |m| {
+            m.kd_nodes.remove(6);
+            m.clusters[5].node_count = 0;
+            m.clusters[6..].iter_mut().for_each(|cluster| cluster.node_first -= 1);
+        }
+        => at!(Clusters, 5, EmptyRange { field: "node_count" }),
     free_motion_lists_each_triangle_once:
         |m| {
             m.references.push(7);
-            m.kd_nodes[9] = KdNodeRow::pack(KdNode::Leaf { first: 0, count: 2 });
             m.clusters[7].reference_count = 2;
         }
         => at!(Clusters, 7, Count { field: "reference_count", found: 2, expected: 1 }),
@@ -255,7 +261,6 @@ rules! {
             m.clusters[7].triangle_count = 0;
             m.clusters[7].cluster_bone_count = 0;
             m.cluster_bones.truncate(11);
-            m.kd_nodes[9] = KdNodeRow::pack(KdNode::Leaf { first: 0, count: 0 });
         }
         => at!(Triangles, 7, TriangleNotInSegment { segment: 2 }),
     a_degenerate_triangle_belongs_to_no_cluster_of_a_segment:
@@ -280,20 +285,23 @@ rules! {
             m.clusters[5..].iter_mut().for_each(|cluster| cluster.cluster_bone_first += 1);
         }
         => at!(ClusterBones, 7, ClusterTrackUnused { track: 2 }),
-    track_extents_are_finite:
-        |m| m.cluster_bones[6].extent[0] = f32::NAN => at!(ClusterBones, 6, NotFinite { field: "extent", .. }),
-    track_extents_reach_every_lattice_coordinate:
-        |m| m.cluster_bones[6].extent[1] -= 1.0
-        => at!(KeyVertices, 3, BeyondExtent { field: "stored numbers", axis: 1, extent_row: 6, .. }),
-    track_extents_reach_raw_positions:
-        |m| m.cluster_bones[5].extent[0] = 1.1f32.next_down()
-        => at!(KeyVertices, 1, BeyondExtent { axis: 0, found: 1.1, extent_row: 5, .. }),
-    track_extents_reach_raw_positions_in_every_key:
-        |m| m.cluster_bones[12].extent[1] = 1.75
-        => at!(KeyVertices, 11, BeyondExtent { axis: 1, found: 2.0, extent_row: 12, .. }),
-    track_extents_hold_for_each_cluster_anew:
-        |m| m.cluster_bones[11].extent[0] = 0.0
-        => at!(KeyVertices, 10, BeyondExtent { axis: 0, extent_row: 11, .. }),
+    boxes_of_tracks_are_finite:
+        |m| m.cluster_bones[6].bounds.max[0] = f32::NAN => at!(ClusterBones, 6, NotFinite { field: "bounds", .. }),
+    boxes_of_tracks_contain_every_lattice_coordinate:
+        |m| m.cluster_bones[6].bounds.max[1] -= 1.0
+        => at!(KeyVertices, 3, OutsideBox { field: "stored numbers", axis: 1, box_row: 6, .. }),
+    boxes_of_tracks_contain_the_least_lattice_coordinate:
+        |m| m.cluster_bones[6].bounds.min[1] += 1.0
+        => at!(KeyVertices, 3, OutsideBox { field: "stored numbers", axis: 1, box_row: 6, .. }),
+    boxes_of_tracks_contain_raw_positions:
+        |m| m.cluster_bones[5].bounds.max[0] = 1.1f32.next_down()
+        => at!(KeyVertices, 1, OutsideBox { axis: 0, found: 1.1, box_row: 5, .. }),
+    boxes_of_tracks_contain_raw_positions_in_every_key:
+        |m| m.cluster_bones[12].bounds.max[1] = 1.75
+        => at!(KeyVertices, 11, OutsideBox { axis: 1, found: 2.0, box_row: 12, .. }),
+    boxes_of_tracks_hold_for_each_cluster_anew:
+        |m| m.cluster_bones[11].bounds.max[0] = m.cluster_bones[11].bounds.min[0]
+        => at!(KeyVertices, 10, OutsideBox { axis: 0, box_row: 11, .. }),
 
     frame_channels_have_a_cache:
         |m| m.channels[4].target = 2 => at!(Channels, 4, IndexOutOfRange { field: "target", found: 2, limit: 2 }),

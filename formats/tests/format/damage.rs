@@ -1,20 +1,20 @@
 use crate::{
     fixture::{Forge, model, read_copy},
-    golden::V1_2,
+    golden::V1_3,
 };
 use restpose_formats::{AlignedBytes, FormatError, MAGIC, SectionKind, read};
 
 #[test]
 fn every_truncation_is_refused_by_name() {
-    for len in 0..V1_2.len() {
-        let error = read_copy(&V1_2[..len]).expect_err("cut short");
+    for len in 0..V1_3.len() {
+        let error = read_copy(&V1_3[..len]).expect_err("cut short");
         assert!(matches!(error, FormatError::Truncated { .. }), "{len} bytes: {error}");
     }
 }
 
 #[test]
 fn every_truncation_with_a_file_length_to_match_is_refused() {
-    for len in 128..V1_2.len() {
+    for len in 128..V1_3.len() {
         let file = Forge::of(&model()).bytes_with(|header, _| header.file_len = len as u64);
         assert!(read_copy(&file[..len]).is_err(), "{len} bytes");
     }
@@ -22,8 +22,8 @@ fn every_truncation_with_a_file_length_to_match_is_refused() {
 
 #[test]
 fn one_byte_more_is_refused() {
-    let longer = [V1_2, &[0]].concat();
-    let (expected, found) = (V1_2.len() as u64, V1_2.len() as u64 + 1);
+    let longer = [V1_3, &[0]].concat();
+    let (expected, found) = (V1_3.len() as u64, V1_3.len() as u64 + 1);
     assert_eq!(read_copy(&longer), Err(FormatError::TrailingBytes { expected, found }));
     let sealed = {
         let mut file = Forge::of(&model()).bytes_with(|header, _| header.file_len += 1);
@@ -38,7 +38,7 @@ fn one_byte_more_is_refused() {
 
 #[test]
 fn every_value_of_every_header_and_table_byte_but_its_own_is_refused() {
-    let mut bytes = AlignedBytes::copy_of(V1_2);
+    let mut bytes = AlignedBytes::copy_of(V1_3);
     for at in 0..128 + SectionKind::ALL.len() * 40 {
         for change in 1..=255 {
             bytes.as_mut_slice()[at] ^= change;
@@ -51,8 +51,8 @@ fn every_value_of_every_header_and_table_byte_but_its_own_is_refused() {
 
 #[test]
 fn every_changed_bit_of_the_file_is_refused() {
-    let mut bytes = AlignedBytes::copy_of(V1_2);
-    for at in 0..V1_2.len() {
+    let mut bytes = AlignedBytes::copy_of(V1_3);
+    for at in 0..V1_3.len() {
         for bit in 0..8 {
             bytes.as_mut_slice()[at] ^= 1 << bit;
             assert!(read(bytes.as_slice()).is_err(), "byte {at}, bit {bit}");
@@ -71,7 +71,7 @@ fn another_kind_of_file_is_named_as_such() {
 
 #[test]
 fn a_transfer_in_text_mode_has_its_own_hint() {
-    let body = &V1_2[MAGIC.len()..];
+    let body = &V1_3[MAGIC.len()..];
     let magics: [&[u8]; 8] = [
         b"\x8BRPOSE\n\x1A\n",
         b"\x8BRPOSE\r\n\x1A\r\n",

@@ -12,7 +12,16 @@ fn error_of(change: impl FnOnce(&mut Header)) -> FormatError {
 
 #[test]
 fn version() {
-    for (major, minor) in [(0, 0), (0, 9), (1, 0), (1, 1), (1, 3), (2, 0), (u16::MAX, u16::MAX)] {
+    for (major, minor) in [
+        (0, 0),
+        (0, 9),
+        (1, 0),
+        (1, 1),
+        (1, 2),
+        (1, 4),
+        (2, 0),
+        (u16::MAX, u16::MAX),
+    ] {
         let error = error_of(|header| (header.major, header.minor) = (major, minor));
         let supported = FormatVersion::READABLE;
         assert_eq!(

@@ -1,7 +1,7 @@
 //! What an error says: what, where, expected, found, and what to do.
 
 use crate::fixture::{Forge, model, read_copy};
-use restpose_formats::Bounds;
+use restpose_formats::{Bounds, TreeKind};
 
 fn message(bytes: &[u8]) -> String {
     read_copy(bytes).expect_err("the bytes are wrong").to_string()
@@ -27,10 +27,10 @@ fn a_file_cut_short() {
 
 #[test]
 fn another_version() {
-    for (major, minor) in [(1, 1), (2, 0)] {
+    for (major, minor) in [(1, 2), (2, 0)] {
         let bytes = Forge::of(&model()).bytes_with(|header, _| (header.major, header.minor) = (major, minor));
         let expected = format!(
-            "format version {major}.{minor} cannot be read; this library reads 1.2; re-bake the source with a matching \
+            "format version {major}.{minor} cannot be read; this library reads 1.3; re-bake the source with a matching \
              version of restpose"
         );
         assert_eq!(message(&bytes), expected);
@@ -77,6 +77,17 @@ fn pose_spaces_without_need() {
         message(&Forge::of(&model).bytes()),
         "section PSPC has 3 rows, expected none, for the metadata says that bounds are sampled; the program that wrote \
          it is at fault: re-bake the source"
+    );
+}
+
+#[test]
+fn rows_of_another_kind_of_trees() {
+    let mut model = model();
+    model.meta.tree = TreeKind::Wide;
+    assert_eq!(
+        message(&Forge::of(&model).bytes()),
+        "section KDND has 8 rows, expected none, for the metadata says that trees are wide; the program that wrote it is \
+         at fault: re-bake the source"
     );
 }
 

@@ -10,10 +10,11 @@ use restpose_formats::{
     Model,
     RowFault::*,
     SectionKind::*,
+    TreeKind,
     geom::Aabb,
     rows::{
         BoneRow, ChannelRow, ClipRow, InfluenceRow, KdNode, KdNodeRow, Local, MorphSetRow, NONE, NodeRow,
-        ReferenceBoxRow, SampleRow, TriangleRow, VertexRow,
+        ReferenceBoxRow, SampleRow, TriangleRow, VertexRow, WideNodeRow,
     },
     write,
 };
@@ -224,6 +225,19 @@ rules! {
     sample_times_are_finite:
         |m| m.samples.push(SampleRow { clip: NONE, seconds: f32::NAN }) => at!(Samples, 2, NotFinite { .. }),
 
+    clip_bounds_are_one_per_clip_and_one_more:
+        |m| { m.clip_bounds.pop(); } => RowCount { section: ClipBounds, expected: 3, found: 2 },
+    clip_bounds_are_finite:
+        |m| m.clip_bounds[0].bounds.max[1] = f32::INFINITY
+        => at!(ClipBounds, 0, NotFinite { field: "bounds", .. }),
+    clip_bounds_are_not_empty:
+        |m| m.clip_bounds[2].bounds.max[2] = -6.0 => at!(ClipBounds, 2, EmptyBox { field: "bounds", axis: 2, .. }),
+    clip_bounds_are_empty_where_they_are_unknown:
+        |m| m.clip_bounds[1].bounds.max[2] = 0.0 => at!(ClipBounds, 1, UnknownBounds),
+    clip_bounds_are_known_or_not:
+        |m| m.clip_bounds[0].known = 2 => at!(ClipBounds, 0, UnknownNumber { field: "known", found: 2, limit: 2 }),
+    clip_bounds_reserved_is_zero: |m| m.clip_bounds[1].reserved = 1 => at!(ClipBounds, 1, ReservedNotZero { .. }),
+
     cluster_bones_in_frames_are_in_range:
         |m| m.clusters[1].bone = 3 => at!(Clusters, 1, IndexOutOfRange { field: "bone", .. }),
     cluster_bounds_are_finite:
@@ -234,9 +248,12 @@ rules! {
     cluster_nodes_follow_each_other:
         |m| m.clusters[1].node_first = 0 => at!(Clusters, 1, RangeNotContiguous { field: "node_first", .. }),
     cluster_nodes_are_in_range:
-        |m| m.clusters[7].node_count = 2 => at!(Clusters, 7, RangeOutOfBounds { field: "node_first", .. }),
+        |m| m.clusters[6].node_count = 2 => at!(Clusters, 6, RangeOutOfBounds { field: "node_first", .. }),
     clusters_cover_all_nodes:
-        |m| m.kd_nodes.push(m.kd_nodes[4]) => RowCount { section: KdNodes, expected: 10, found: 11 },
+        |m| m.kd_nodes.push(m.kd_nodes[4]) => RowCount { section: KdNodes, expected: 8, found: 9 },
+    kd_files_have_no_wide_nodes:
+        |m| m.wide_nodes.push(WideNodeRow::EMPTY)
+        => RowsOfOtherTrees { section: WideNodes, found: 1, tree: TreeKind::Kd },
     a_tree_has_a_root:
         |m| m.clusters[2].node_count = 0 => at!(Clusters, 2, EmptyRange { field: "node_count" }),
     cluster_references_follow_each_other:
@@ -263,15 +280,17 @@ rules! {
     cluster_bones_are_distinct:
         |m| { sample_bounds(m); m.cluster_bones[2].bone = 1; }
         => at!(ClusterBones, 2, NotAscending { found: 1, previous: 1, .. }),
-    cluster_bone_extents_are_finite:
-        |m| m.cluster_bones[0].extent[1] = f32::NAN => at!(ClusterBones, 0, NotFinite { .. }),
-    cluster_bone_extents_are_not_negative:
-        |m| m.cluster_bones[0].extent[1] = -1.0 => at!(ClusterBones, 0, Negative { .. }),
-    cluster_bone_extents_reach_every_vertex:
-        |m| m.cluster_bones[2].extent[2] = 0.5f32.next_down()
-        => at!(Vertices, 7, BeyondExtent { field: "position_rest", axis: 2, extent_row: 2, .. }),
-    cluster_bone_extents_hold_for_negative_coordinates:
-        |m| m.cluster_bones[0].extent[0] = 4.5 => at!(Vertices, 0, BeyondExtent { axis: 0, extent_row: 0, .. }),
+    cluster_bone_boxes_are_finite:
+        |m| m.cluster_bones[0].bounds.min[1] = f32::NAN => at!(ClusterBones, 0, NotFinite { field: "bounds", .. }),
+    cluster_bone_boxes_are_not_empty:
+        |m| m.cluster_bones[0].bounds.max[1] = -1.0 => at!(ClusterBones, 0, EmptyBox { field: "bounds", axis: 1, .. }),
+    cluster_bone_boxes_contain_every_vertex:
+        |m| m.cluster_bones[2].bounds.max[2] = 0.5f32.next_down()
+        => at!(Vertices, 7, OutsideBox { field: "position_rest", axis: 2, box_row: 2, .. }),
+    cluster_bone_boxes_contain_negative_coordinates:
+        |m| m.cluster_bones[0].bounds.min[0] = -4.5 => at!(Vertices, 0, OutsideBox { axis: 0, box_row: 0, .. }),
+    cluster_bone_reserved_is_zero:
+        |m| m.cluster_bones[4].reserved = 1 => at!(ClusterBones, 4, ReservedNotZero { .. }),
     every_bone_of_a_clusters_vertices_is_listed:
         |m| {
             sample_bounds(m);

@@ -10,6 +10,15 @@ pub(crate) trait Lanes: Copy {
     fn load8(self, from: &[f32; 8]) -> Self::F8;
     fn store8(self, from: Self::F8, to: &mut [f32; 8]);
     fn max8(self, a: Self::F8, b: Self::F8) -> Self::F8;
+    fn splat8(self, x: f32) -> Self::F8;
+    /// Eight whole numbers, exactly.
+    fn widen8(self, from: &[u16; 8]) -> Self::F8;
+    fn add8(self, a: Self::F8, b: Self::F8) -> Self::F8;
+    fn sub8(self, a: Self::F8, b: Self::F8) -> Self::F8;
+    fn mul8(self, a: Self::F8, b: Self::F8) -> Self::F8;
+    fn min8(self, a: Self::F8, b: Self::F8) -> Self::F8;
+    /// A bit per lane, lane 0 lowest: set where `a ≤ b`, and so not for numbers that do not compare.
+    fn le8(self, a: Self::F8, b: Self::F8) -> u32;
     /// As `max8`, where lane 7 counts: its bits are those of `b`'s, plus one.
     fn max8_counting(self, a: Self::F8, b: Self::F8) -> Self::F8;
     /// Lanes 0 to 3 and 4 to 7.

@@ -24,6 +24,41 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn splat8(self, x: f32) -> [f32; 8] {
+        [x; 8]
+    }
+
+    #[inline(always)]
+    fn widen8(self, from: &[u16; 8]) -> [f32; 8] {
+        from.map(f32::from)
+    }
+
+    #[inline(always)]
+    fn add8(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
+        std::array::from_fn(|k| a[k] + b[k])
+    }
+
+    #[inline(always)]
+    fn sub8(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
+        std::array::from_fn(|k| a[k] - b[k])
+    }
+
+    #[inline(always)]
+    fn mul8(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
+        std::array::from_fn(|k| a[k] * b[k])
+    }
+
+    #[inline(always)]
+    fn min8(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
+        std::array::from_fn(|k| if a[k] < b[k] { a[k] } else { b[k] })
+    }
+
+    #[inline(always)]
+    fn le8(self, a: [f32; 8], b: [f32; 8]) -> u32 {
+        (0..8).fold(0, |bits, k| bits | u32::from(a[k] <= b[k]) << k)
+    }
+
+    #[inline(always)]
     fn max8_counting(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
         let mut out = self.max8(a, b);
         out[7] = f32::from_bits(b[7].to_bits().wrapping_add(1));

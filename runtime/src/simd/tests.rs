@@ -7,6 +7,14 @@ fn everything<S: Lanes>(simd: S, a: &[f32; 8], b: &[f32; 8]) -> Vec<u32> {
     simd.store8(simd.max8(wide_a, wide_b), &mut max);
     let mut counted = [0.0; 8];
     simd.store8(simd.max8_counting(wide_a, wide_b), &mut counted);
+    let wide = [
+        simd.add8(wide_a, wide_b),
+        simd.sub8(wide_a, wide_b),
+        simd.mul8(wide_a, wide_b),
+        simd.min8(wide_a, wide_b),
+        simd.splat8(a[2]),
+        simd.widen8(&a.map(|x| x as u16)),
+    ];
     let [x, y] = simd.halves(wide_a);
     let z = simd.halves(wide_b)[0];
     let vectors = [
@@ -18,12 +26,18 @@ fn everything<S: Lanes>(simd: S, a: &[f32; 8], b: &[f32; 8]) -> Vec<u32> {
         simd.splat4(a[1]),
     ];
     let mut out: Vec<f32> = max.iter().chain(&counted[..7]).copied().collect();
+    for vector in wide {
+        let mut eight = [0.0; 8];
+        simd.store8(vector, &mut eight);
+        out.extend(eight);
+    }
     out.extend(vectors.iter().flat_map(|vector| simd.store4(*vector)));
     out.push(simd.pair_products(x));
     // Of NaN only that it is one.
     let bits = |x: f32| if x.is_nan() { u32::MAX } else { x.to_bits() };
     let mut out: Vec<u32> = out.into_iter().map(bits).collect();
     out.push(counted[7].to_bits());
+    out.push(simd.le8(wide_a, wide_b));
     for count in 1..=8 {
         out.extend(simd.ranks8(a, count)[..count].iter().map(|rank| u32::from(*rank)));
     }

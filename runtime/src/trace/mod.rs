@@ -8,32 +8,40 @@
 //! Based on: Günther, *Ray Tracing of Dynamic Scenes*, §3.2.3 (two levels, triangle tests in world space). Differs: every
 //! plane is widened by the cluster's margin for the ray (see `cluster_frame`), so the children of a node overlap.
 
+mod context;
 mod mailbox;
+mod moments;
 mod traveller;
 mod walk;
 
-pub(crate) use walk::{Hierarchy, Stack};
+pub(crate) use context::TraceContext;
+pub(crate) use walk::Hierarchy;
 
 use crate::{
-    Hit, Ray,
-    asset_instance::{Active, AssetInstance},
+    Asset, Hit, InstanceId, Ray,
     box_tree::BoxTree,
     cluster_frame::{LatticeRay, SlabRay, Way},
     instance::Instance,
+    prepared::{Prepared, Whole},
     refitted_tree::RefittedBoxes,
-    scene::{Entry, Scene},
+    scene::Scene,
+    simd::SimdLevel,
     stats::Count,
+    wide::{self, WideRay, WideStack},
 };
+use context::{ClusterContext, InstanceContext};
 use mailbox::Mailbox;
+use restpose_formats::TreeKind;
 use std::ops::Range;
 use traveller::Traveller;
 use walk::{Level, walk, walk_hierarchy};
 
-/// The closest hit, or any hit if `ANY`.
+/// The closest hit, or any hit if `ANY`, at a time of the scene's interval from 0 to 1.
 pub(crate) fn trace<const ANY: bool>(
     scene: &Scene,
     ray: &Ray,
-    stack: &mut Stack,
+    time: f32,
+    context: &mut TraceContext,
     counters: &mut impl Count,
 ) -> Option<Hit> {
     counters.ray();
@@ -42,86 +50,224 @@ pub(crate) fn trace<const ANY: bool>(
     if bounds.is_empty() {
         return None;
     }
-    let Stack([top_stack, cluster_stack]) = stack;
     let slab = SlabRay::in_world(traveller.origin, traveller.direction, &bounds);
-    let mut enter = |leaf: Range<usize>, traveller: &mut Traveller, counters: &mut _| {
-        scene.top_level.leaf(leaf).any(|id| {
-            slab.clip(&scene.boxes[id as usize], (start, traveller.limit))
-                .is_some_and(|_| enter_cluster::<ANY>(scene, id, start, traveller, cluster_stack, counters))
-        })
-    };
-    walk_hierarchy(
-        &scene.top_level,
-        &slab,
+    let TraceContext { stack, instance } = context;
+    wide::walk(
+        scene.simd,
+        scene.top_level.nodes(),
+        0,
+        &WideRay::new(&slab),
         start,
         &mut traveller,
-        top_stack,
+        stack,
         counters,
-        &mut enter,
+        &mut |index, traveller, counters| {
+            enter_instance::<ANY>(scene, index, time, start, traveller, instance, counters)
+        },
     );
     traveller.best
 }
 
-/// Traverses one cluster; true when the search is over.
-fn enter_cluster<const ANY: bool>(
+/// Traverses one instance; true when the search is over.
+fn enter_instance<const ANY: bool>(
     scene: &Scene,
-    id: u32,
+    index: u32,
+    time: f32,
     start: f32,
     traveller: &mut Traveller,
-    stack: &mut Level,
+    context: &mut InstanceContext,
     counters: &mut impl Count,
 ) -> bool {
-    counters.cluster();
-    let Entry { instance, slot } = scene.entries[id as usize];
-    match &scene.instances[instance as usize] {
-        Instance::Geometry(geometry) => {
+    counters.instance();
+    let id = scene.id(index);
+    let InstanceContext {
+        stack,
+        cluster,
+        moments,
+    } = context;
+    match scene.in_slot(index) {
+        None => false,
+        Some(Instance::Geometry(geometry)) => {
             let mut test = |triangle: u32, traveller: &mut Traveller, counters: &mut _| {
                 Count::triangle(counters);
-                traveller.test(&geometry.posed_triangle(triangle), instance, triangle) && ANY
+                traveller.test(&geometry.posed_triangle(triangle), id, triangle) && ANY
             };
+            let stack = &mut cluster.binary;
             walk_posed(geometry.tree(), start, traveller, stack, counters, &mut test)
         }
-        Instance::Asset(state) => enter_asset_cluster::<ANY>(state, instance, slot, start, traveller, stack, counters),
+        Some(Instance::Asset(instance)) => {
+            let actor = Actor {
+                id,
+                asset: instance.asset(),
+                prepared: if time > 0.0 && instance.is_moving() {
+                    moments.at(scene.commit, index, instance, time)
+                } else {
+                    instance.prepared()
+                },
+                simd: scene.simd,
+            };
+            match actor.prepared.enter(actor.asset) {
+                Some(whole) if !whole.nodes.is_empty() => {
+                    enter_whole::<ANY>(&actor, whole, start, traveller, stack, counters)
+                }
+                whole => {
+                    let is_whole = whole.is_some();
+                    enter_clusters::<ANY>(&actor, is_whole, start, traveller, (stack, cluster), counters)
+                }
+            }
+        }
     }
 }
 
-fn enter_asset_cluster<const ANY: bool>(
-    state: &AssetInstance,
-    instance: u32,
-    slot: u32,
+/// An instance that a ray is in.
+struct Actor<'a> {
+    id: InstanceId,
+    asset: &'a Asset,
+    prepared: &'a Prepared,
+    simd: SimdLevel,
+}
+
+fn enter_whole<const ANY: bool>(
+    actor: &Actor,
+    whole: &Whole,
     start: f32,
     traveller: &mut Traveller,
-    stack: &mut Level,
+    stack: &mut WideStack,
     counters: &mut impl Count,
 ) -> bool {
-    let Active {
-        row: number,
-        cache,
-        frame,
-        excess: _,
-        refit_after,
-    } = &state.clusters[slot as usize];
-    let model = state.asset.model();
-    let row = &model.clusters[*number as usize];
-    let references = &model.references[row.reference_first as usize..][..row.reference_count as usize];
-    let mut mailbox = Mailbox::EMPTY;
-    let mut test = |triangle: u32, traveller: &mut Traveller, counters: &mut _| {
-        if !mailbox.insert(triangle) {
-            return false;
+    let slab = SlabRay::in_world(traveller.origin, traveller.direction, &whole.nodes[0].around());
+    let triangles = actor.asset.model().triangles;
+    wide::walk(
+        actor.simd,
+        &whole.nodes,
+        0,
+        &WideRay::new(&slab),
+        start,
+        traveller,
+        stack,
+        counters,
+        &mut |triangle, traveller, counters| {
+            counters.triangle();
+            let corners = triangles[triangle as usize].corners;
+            let corners = corners.map(|corner| whole.positions[corner as usize]);
+            traveller.test(&corners, actor.id, triangle) && ANY
+        },
+    )
+}
+
+fn enter_clusters<const ANY: bool>(
+    actor: &Actor,
+    is_whole: bool,
+    start: f32,
+    traveller: &mut Traveller,
+    (stack, cluster): (&mut WideStack, &mut ClusterContext),
+    counters: &mut impl Count,
+) -> bool {
+    let top_level = &actor.prepared.top_level;
+    let slab = SlabRay::in_world(traveller.origin, traveller.direction, &top_level.bounds());
+    wide::walk(
+        actor.simd,
+        top_level.nodes(),
+        0,
+        &WideRay::new(&slab),
+        start,
+        traveller,
+        stack,
+        counters,
+        &mut |slot, traveller, counters| {
+            enter_cluster::<ANY>(actor, slot, is_whole, start, traveller, cluster, counters)
+        },
+    )
+}
+
+fn enter_cluster<const ANY: bool>(
+    actor: &Actor,
+    slot: u32,
+    is_whole: bool,
+    start: f32,
+    traveller: &mut Traveller,
+    context: &mut ClusterContext,
+    counters: &mut impl Count,
+) -> bool {
+    counters.cluster();
+    let Actor {
+        id, asset, prepared, ..
+    } = *actor;
+    let (state, posed) = prepared.cluster(asset, slot, &mut context.motions);
+    let model = asset.model();
+    let row = &model.clusters[state.row as usize];
+    let refit_after = if is_whole { 0 } else { posed.refit_after };
+    let refitted = refit_after != u32::MAX && state.refitted.is_worth_it(refit_after);
+    match (&posed.frame.way, model.meta.tree) {
+        (Way::Posed(tree), _) => {
+            let mut test = |triangle: u32, traveller: &mut Traveller, counters: &mut _| {
+                Count::triangle(counters);
+                let corners = prepared.pose_triangle(model, state.cache, triangle, counters);
+                traveller.test(&corners, id, triangle) && ANY
+            };
+            let tree = &prepared.trees[*tree as usize];
+            walk_posed(tree, start, traveller, &mut context.binary, counters, &mut test)
         }
-        Count::triangle(counters);
-        traveller.test(&state.pose_triangle(*cache, triangle), instance, triangle) && ANY
-    };
-    let refitted = *refit_after != u32::MAX && state.refitted[*number as usize].is_worth_it(*refit_after);
-    match &frame.way {
-        Way::Local(local) if !refitted => {
-            let slab = local.enter(traveller.origin, traveller.direction, &frame.bounds_world);
+        (Way::Local(local), TreeKind::Wide) if !refitted => {
+            let slab = local.enter(traveller.origin, traveller.direction, &posed.frame.bounds_world);
+            if slab.clip(&row.bounds_local, (start, traveller.limit)).is_none() {
+                return false;
+            }
+            wide::walk(
+                actor.simd,
+                asset.wide_nodes(state.row),
+                0,
+                &LatticeRay::new(&slab, &row.bounds_local, asset.box_steps(state.row)),
+                start,
+                traveller,
+                &mut context.stack,
+                counters,
+                &mut |triangle, traveller, counters| {
+                    counters.triangle();
+                    let corners = prepared.pose_triangle(model, state.cache, triangle, counters);
+                    traveller.test(&corners, id, triangle) && ANY
+                },
+            )
+        }
+        (Way::Local(_) | Way::Refitted, TreeKind::Wide) => {
+            let rows = asset.wide_nodes(state.row);
+            let pose = |triangle| prepared.pose_triangle(model, state.cache, triangle, &mut ());
+            let nodes = state.refitted.wide(rows, pose);
+            let slab = SlabRay::in_world(traveller.origin, traveller.direction, &nodes[0].around());
+            wide::walk(
+                actor.simd,
+                nodes,
+                0,
+                &WideRay::new(&slab),
+                start,
+                traveller,
+                &mut context.stack,
+                counters,
+                &mut |triangle, traveller, counters| {
+                    counters.triangle();
+                    let corners = prepared.pose_triangle(model, state.cache, triangle, counters);
+                    traveller.test(&corners, id, triangle) && ANY
+                },
+            )
+        }
+        (Way::Local(local), TreeKind::Kd) if !refitted => {
+            let slab = local.enter(traveller.origin, traveller.direction, &posed.frame.bounds_world);
             let Some(range) = slab.clip(&row.bounds_local, (start, traveller.limit)) else {
                 return false;
             };
             let nodes = &model.kd_nodes[row.node_first as usize..][..row.node_count as usize];
+            let references = &model.references[row.reference_first as usize..][..row.reference_count as usize];
             let boxes = &model.reference_boxes[row.reference_first as usize..][..row.reference_count as usize];
-            let lattice = LatticeRay::new(&slab, &row.bounds_local, state.asset.box_steps(*number));
+            let lattice = LatticeRay::new(&slab, &row.bounds_local, asset.box_steps(state.row));
+            let mut mailbox = Mailbox::EMPTY;
+            let mut test = |triangle: u32, traveller: &mut Traveller, counters: &mut _| {
+                if !mailbox.insert(triangle) {
+                    return false;
+                }
+                Count::triangle(counters);
+                let corners = prepared.pose_triangle(model, state.cache, triangle, counters);
+                traveller.test(&corners, id, triangle) && ANY
+            };
             let mut visit = |leaf: Range<usize>, traveller: &mut Traveller, counters: &mut _| {
                 boxes[leaf.clone()]
                     .iter()
@@ -131,31 +277,43 @@ fn enter_asset_cluster<const ANY: bool>(
                         lattice.meets(bounds, (start, traveller.limit)) && test(*triangle, traveller, counters)
                     })
             };
-            walk(nodes, &slab, range, traveller, stack, counters, &mut visit)
+            walk(
+                nodes,
+                &slab,
+                range,
+                traveller,
+                &mut context.binary,
+                counters,
+                &mut visit,
+            )
         }
-        Way::Local(_) | Way::Refitted => {
+        (Way::Local(_) | Way::Refitted, TreeKind::Kd) => {
             let nodes = &model.kd_nodes[row.node_first as usize..][..row.node_count as usize];
-            let rows = row.reference_first as usize..;
-            let first = &state.asset.first_references()[rows][..references.len()];
-            let pose = |triangle| state.pose_triangle(*cache, triangle);
-            let boxes = state.refitted[*number as usize].boxes(nodes, references, first, pose);
+            let rows = row.reference_first as usize..(row.reference_first + row.reference_count) as usize;
+            let references = &model.references[rows.clone()];
+            let first = &asset.first_references()[rows];
+            let pose = |triangle| prepared.pose_triangle(model, state.cache, triangle, &mut ());
+            let boxes = state.refitted.boxes(nodes, references, first, pose);
             let tree = RefittedBoxes { nodes, boxes };
             let slab = SlabRay::in_world(traveller.origin, traveller.direction, &boxes[0]);
             let mut visit = |leaf: Range<usize>, traveller: &mut Traveller, counters: &mut _| {
                 let own = references[leaf.clone()].iter().zip(&first[leaf]);
-                own.filter(|(_, first)| **first)
-                    .any(|(triangle, _)| test(*triangle, traveller, counters))
+                own.filter(|(_, first)| **first).any(|(triangle, _)| {
+                    Count::triangle(counters);
+                    let corners = prepared.pose_triangle(model, state.cache, *triangle, counters);
+                    traveller.test(&corners, id, *triangle) && ANY
+                })
             };
-            walk_hierarchy(&tree, &slab, start, traveller, stack, counters, &mut visit)
+            walk_hierarchy(
+                &tree,
+                &slab,
+                start,
+                traveller,
+                &mut context.binary,
+                counters,
+                &mut visit,
+            )
         }
-        Way::Posed(tree) => walk_posed(
-            &state.trees[*tree as usize],
-            start,
-            traveller,
-            stack,
-            counters,
-            &mut test,
-        ),
     }
 }
 

@@ -1,4 +1,4 @@
-use crate::{Hit, InstanceId, Ray, triangle::PreparedRay};
+use crate::{Hit, InstanceId, Ray, triangle::PreparedRay, wide::Limited};
 use restpose_formats::geom::round::{f32_above, f32_below};
 
 /// A ray on its way through the scene.
@@ -43,7 +43,7 @@ impl Traveller {
 
     /// Tests one posed triangle; true when it is the best hit so far.
     #[inline]
-    pub(super) fn test(&mut self, corners: &[[f32; 3]; 3], instance: u32, triangle: u32) -> bool {
+    pub(super) fn test(&mut self, corners: &[[f32; 3]; 3], instance: InstanceId, triangle: u32) -> bool {
         let Some(found) = self.prepared.intersect(corners) else {
             return false;
         };
@@ -51,7 +51,7 @@ impl Traveller {
             t: found.t,
             u: found.u,
             v: found.v,
-            instance: InstanceId(instance),
+            instance,
             triangle,
         };
         if self.best.as_ref().is_some_and(|best| !hit.is_before(best)) {
@@ -60,6 +60,13 @@ impl Traveller {
         self.best = Some(hit);
         self.limit = self.limit_behind(hit.t);
         true
+    }
+}
+
+impl Limited for Traveller {
+    #[inline]
+    fn limit(&self) -> f32 {
+        self.limit
     }
 }
 

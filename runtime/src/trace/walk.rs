@@ -22,21 +22,6 @@ pub(super) struct Pending {
     exit: f32,
 }
 
-/// Scratch of a traversal: one tree's worth of pending nodes per level.
-pub(crate) struct Stack(pub(super) [[Pending; STACK_SIZE]; 2]);
-
-impl Stack {
-    pub(crate) const fn new() -> Self {
-        Self(
-            [[Pending {
-                node: 0,
-                enter: 0.0,
-                exit: 0.0,
-            }; STACK_SIZE]; 2],
-        )
-    }
-}
-
 /// Takes the last of the pending nodes that begins before `limit`.
 #[inline]
 fn next_pending(stack: &[Pending], pending: &mut usize, limit: f32) -> Option<Pending> {
@@ -51,6 +36,12 @@ fn next_pending(stack: &[Pending], pending: &mut usize, limit: f32) -> Option<Pe
 
 /// Room for the pending nodes of a tree.
 pub(super) type Level = [Pending; STACK_SIZE];
+
+pub(super) const EMPTY_LEVEL: Level = [Pending {
+    node: 0,
+    enter: 0.0,
+    exit: 0.0,
+}; STACK_SIZE];
 
 /// Visits the leaves that the ray may touch within `range`, near ones first, until one says that the search is over.
 pub(super) fn walk<C: Count>(

@@ -254,6 +254,7 @@ fn a_margin_left_out_loses_hits_that_brute_force_finds() {
             .set_palette(instance, &pose.palette(model), &[pose.morph])
             .unwrap();
         let frame = scene.commit();
+        frame.prepare();
         assert_eq!(frame.stats().clusters_outside, u32::from(std::ptr::eq(model, &intact)));
         let oracle = Oracle::new(&frame, &[instance]);
         let rays = (0..100).map(|step| Ray::new([51.0 + 0.005 * step as f32, 0.25, -1.0], [0.0, 0.0, 1.0]));

@@ -56,24 +56,24 @@ pub(crate) fn add_clusters(
     Ok(())
 }
 
-/// The bones that move vertices of these triangles, ascending, with the extent of those vertices.
+/// The bones that move vertices of these triangles, ascending, with the box of those vertices.
 fn cluster_bones(model: &Model, group: &[Carried]) -> Vec<ClusterBoneRow> {
-    let mut extents: Vec<Option<[f32; 3]>> = vec![None; model.bones.len()];
+    let mut boxes = vec![Aabb::EMPTY; model.bones.len()];
     for corner in group
         .iter()
         .flat_map(|carried| model.triangles[carried.triangle as usize].corners)
     {
         let position = model.vertices[corner as usize].position_rest;
         for influence in model.influences_of(corner as usize) {
-            let extent = extents[influence.bone as usize].get_or_insert([0.0; 3]);
-            *extent = std::array::from_fn(|k| extent[k].max(position[k].abs()));
+            let bounds = &mut boxes[influence.bone as usize];
+            *bounds = bounds.with_point(position);
         }
     }
-    let row = |(bone, extent): (usize, Option<[f32; 3]>)| {
-        Some(ClusterBoneRow {
-            bone: bone as u32,
-            extent: extent?,
-        })
+    let moved = (0u32..).zip(boxes).filter(|(_, bounds)| !bounds.is_empty());
+    let row = |(bone, bounds)| ClusterBoneRow {
+        bone,
+        bounds,
+        reserved: 0,
     };
-    extents.into_iter().enumerate().filter_map(row).collect()
+    moved.map(row).collect()
 }

@@ -57,6 +57,7 @@ impl PosedRays {
         twin_scene.add(&twin.asset);
         let frames = [frame, twin_scene.commit()];
 
+        frame.prepare();
         let oracle = Oracle::new(&frame, &[instance]);
         let mut supply = Rays::new(&oracle, settings.seed);
         let random = (0..settings.random_rays).map(|_| supply.ray(RayKind::Random)).collect();
@@ -64,7 +65,7 @@ impl PosedRays {
         let mut out = Self {
             cameras: Vec::with_capacity(settings.cameras.len()),
             random: RaySums::default(),
-            stats: *frame.stats(),
+            stats: frame.stats(),
             static_build_seconds: twin.report.seconds.build,
             static_box_area: twin.report.fuzzy_box_area,
         };

@@ -3,10 +3,7 @@ use crate::{BakeError, assemble::row_count};
 use restpose_formats::{
     Model,
     geom::Aabb,
-    rows::{
-        CacheRow, ClusterBoneRow, ClusterRow, KdNode, KdNodeRow, KeyRow, KeyVertexRow, NONE, ReferenceBoxRow,
-        SegmentRow, TrackRow,
-    },
+    rows::{CacheRow, ClusterBoneRow, ClusterRow, KeyRow, KeyVertexRow, NONE, ReferenceBoxRow, SegmentRow, TrackRow},
 };
 
 /// The track without keys: local space is the cache's own.
@@ -46,7 +43,7 @@ fn add_segment(model: &mut Model, cache: usize, segment: &Segment, triangles: &[
         key_vertex_first: row_count("key vertices", model.key_vertices.len())?,
         reserved: 0,
     });
-    let extents = add_positions(model, segment, track_first)?;
+    let stored = add_positions(model, segment, track_first)?;
     for (index, cluster) in (0u32..).zip(&segment.clusters) {
         model.tracks.push(TrackRow {
             key_first: row_count("keys", model.keys.len())?,
@@ -64,7 +61,7 @@ fn add_segment(model: &mut Model, cache: usize, segment: &Segment, triangles: &[
                 reserved: 0,
             });
         }
-        let bones = cluster_bones(segment, cluster, track_first, &extents);
+        let bones = cluster_bones(segment, cluster, track_first, &stored);
         let row = ClusterRow {
             bone: model.caches[cache].bone,
             node_first: row_count("tree nodes", model.kd_nodes.len())?,
@@ -96,17 +93,17 @@ fn add_segment(model: &mut Model, cache: usize, segment: &Segment, triangles: &[
     Ok(())
 }
 
-/// Adds a segment's key vertices and words; gives each vertex's greatest stored numbers.
-fn add_positions(model: &mut Model, segment: &Segment, track_first: u32) -> Result<Vec<[f32; 3]>, BakeError> {
+/// Adds a segment's key vertices and words; gives the box of each vertex's stored numbers.
+fn add_positions(model: &mut Model, segment: &Segment, track_first: u32) -> Result<Vec<Aabb>, BakeError> {
     let word_first = row_count("key words", model.key_words.len())?;
     row_count("key words", model.key_words.len() + segment.stored.words.len())?;
-    let key_count = segment.keys.end() - segment.keys.start() + 1;
-    let extents = segment
+    let key_count = row_count("keys", segment.keys.end() - segment.keys.start() + 1)?;
+    let stored = segment
         .stored
         .rows
         .iter()
-        .map(|row| stored_extent(row, &segment.stored.words, key_count));
-    let extents = extents.collect();
+        .map(|row| row.bounds(&segment.stored.words, key_count))
+        .collect();
     model
         .key_vertices
         .extend(segment.stored.rows.iter().map(|row| KeyVertexRow {
@@ -116,44 +113,29 @@ fn add_positions(model: &mut Model, segment: &Segment, track_first: u32) -> Resu
         }));
     row_count("key vertices", model.key_vertices.len())?;
     model.key_words.extend_from_slice(&segment.stored.words);
-    Ok(extents)
+    Ok(stored)
 }
 
-/// Bounds the numbers that a key vertex stores, as `FORMAT.md` 6.3 says.
-fn stored_extent(row: &KeyVertexRow, words: &[u32], key_count: usize) -> [f32; 3] {
-    if row.raw != 0 {
-        let words = &words[row.word_first as usize..][..3 * key_count];
-        let points = words.as_chunks::<3>().0.iter();
-        return points.fold([0.0f32; 3], |extent, point| {
-            std::array::from_fn(|k| extent[k].max(f32::from_bits(point[k]).abs()))
-        });
-    }
-    std::array::from_fn(|k| {
-        let last = row.base[k] + (1 << row.widths[k]) - 1;
-        row.base[k].abs().max(last.abs()) as f32
-    })
-}
-
-/// The tracks that move the cluster's vertices, ascending, with the extent of what they move.
+/// The tracks that move the cluster's vertices, ascending, with the box of what they move.
 fn cluster_bones(
     segment: &Segment,
     cluster: &SegmentCluster,
     track_first: u32,
-    extents: &[[f32; 3]],
+    stored: &[Aabb],
 ) -> Vec<ClusterBoneRow> {
-    let mut by_track: Vec<Option<[f32; 3]>> = vec![None; segment.clusters.len() + 1];
+    let mut boxes = vec![Aabb::EMPTY; segment.clusters.len() + 1];
     for vertex in &cluster.vertices {
         let track = segment.stored.rows[*vertex as usize].track;
-        let extent = by_track[track as usize].get_or_insert([0.0; 3]);
-        *extent = std::array::from_fn(|k| extent[k].max(extents[*vertex as usize][k]));
+        let bounds = &mut boxes[track as usize];
+        *bounds = bounds.union(stored[*vertex as usize]);
     }
-    let row = |(track, extent): (u32, Option<[f32; 3]>)| {
-        Some(ClusterBoneRow {
-            bone: track_first + track,
-            extent: extent?,
-        })
+    let moved = (0u32..).zip(boxes).filter(|(_, bounds)| !bounds.is_empty());
+    let row = |(track, bounds)| ClusterBoneRow {
+        bone: track_first + track,
+        bounds,
+        reserved: 0,
     };
-    (0u32..).zip(by_track).filter_map(row).collect()
+    moved.map(row).collect()
 }
 
 /// A cache whose part is in free motion: positions as they are, and one list of triangles.
@@ -179,7 +161,6 @@ pub(super) fn add_free<F: AsRef<[[f32; 3]]>>(
         reserved: 0,
     });
     model.tracks.push(OWN_SPACE);
-    let mut extent = [0.0f32; 3];
     let mut bounds = Aabb::EMPTY;
     for vertex in 0..vertex_count {
         model.key_vertices.push(KeyVertexRow {
@@ -202,9 +183,7 @@ pub(super) fn add_free<F: AsRef<[[f32; 3]]>>(
                 .as_chunks::<3>()
                 .0
             {
-                let point = point.map(f32::from_bits);
-                bounds = bounds.with_point(point);
-                extent = std::array::from_fn(|k| extent[k].max(point[k].abs()));
+                bounds = bounds.with_point(point.map(f32::from_bits));
             }
         }
     }
@@ -215,7 +194,7 @@ pub(super) fn add_free<F: AsRef<[[f32; 3]]>>(
     model.clusters.push(ClusterRow {
         bone,
         node_first: row_count("tree nodes", model.kd_nodes.len())?,
-        node_count: 1,
+        node_count: 0,
         reference_first: row_count("triangle references", model.references.len())?,
         reference_count: count,
         cluster_bone_first: row_count("cluster bones", model.cluster_bones.len())?,
@@ -225,13 +204,15 @@ pub(super) fn add_free<F: AsRef<[[f32; 3]]>>(
         track,
         reserved: 0,
     });
-    model.kd_nodes.push(KdNodeRow::pack(KdNode::Leaf { first: 0, count }));
     model.references.extend_from_slice(triangles);
     model
         .reference_boxes
         .resize(model.references.len(), ReferenceBoxRow::default());
-    model.cluster_bones.push(ClusterBoneRow { bone: track, extent });
-    row_count("tree nodes", model.kd_nodes.len())?;
+    model.cluster_bones.push(ClusterBoneRow {
+        bone: track,
+        bounds,
+        reserved: 0,
+    });
     row_count("triangle references", model.references.len())?;
     Ok(())
 }

@@ -147,9 +147,11 @@ pub fn verify(
             })
             .collect();
         let outcomes = rays.iter().zip(outcomes);
+        // After the rays, which were to find nothing prepared.
+        frame.prepare();
         report.add(
             &pose,
-            frame.stats(),
+            &frame.stats(),
             outcomes.map(|(ray, (expected, found, any))| (ray, expected, found, any)),
         );
         report.oracle_tests += ray_count * oracle.triangle_count() as u64;

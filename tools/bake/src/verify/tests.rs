@@ -33,8 +33,8 @@ fn the_source_takes_given_maps() {
         let instance = scene.add(&asset);
         for pose in drawn(&animation, &asset, PoseSource::Clips, 1, 6) {
             pose.set(&mut scene, instance).unwrap();
-            let mut palette = scene.palette(instance).unwrap().to_vec();
-            let morph_weights = scene.morph_weights(instance).unwrap().to_vec();
+            let mut palette = scene.pose(instance).unwrap().palette;
+            let morph_weights = scene.pose(instance).unwrap().morph_weights;
             let frame = scene.commit();
             // A few roundings to `f32` of numbers a few times the model's size.
             let limit = 2e-6;

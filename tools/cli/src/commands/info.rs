@@ -1,7 +1,7 @@
 use super::cache_contents::CacheContents;
 use crate::{args::InfoArgs, failure::Failure, input_file, output::Answer, table::Table};
 use restpose_formats::{
-    Bounds, ModelView,
+    Bounds, ModelView, TreeKind,
     rows::{MotionClass, NONE},
 };
 use serde::{Serialize, Serializer};
@@ -18,6 +18,7 @@ struct Report {
     #[serde(serialize_with = "as_object")]
     options: Vec<(String, String)>,
     bounds: Bounds,
+    tree: TreeKind,
     parts: Vec<Part>,
     clips: Vec<Clip>,
     caches: Vec<CacheContents>,
@@ -72,6 +73,7 @@ struct Counts {
     tracks: usize,
     track_keys: usize,
     kd_nodes: usize,
+    wide_nodes: usize,
     references: usize,
     envelopes: u64,
 }
@@ -123,6 +125,7 @@ fn report(file: String, file_bytes: u64, model: &ModelView<'_>) -> Report {
         options_hash: hexadecimal(&model.hashes.options),
         options: meta.options.clone(),
         bounds: meta.bounds,
+        tree: meta.tree,
         parts: parts.collect(),
         clips: clips.collect(),
         caches: CacheContents::all(model),
@@ -141,6 +144,7 @@ fn report(file: String, file_bytes: u64, model: &ModelView<'_>) -> Report {
             tracks: model.tracks.len(),
             track_keys: model.keys.len(),
             kd_nodes: model.kd_nodes.len(),
+            wide_nodes: model.wide_nodes.len(),
             references: model.references.len(),
             envelopes: model
                 .pose_spaces
@@ -181,9 +185,10 @@ fn text(report: &Report) -> String {
         format!("vertices  {} with {} influences", counts.vertices, counts.influences),
         format!("bones     {}", counts.bones),
         format!(
-            "clusters  {} with {} tree nodes, {} references",
+            "clusters  {} with {} nodes of {} trees, {} references",
             report.clusters.len(),
-            counts.kd_nodes,
+            counts.kd_nodes + counts.wide_nodes,
+            report.tree.name(),
             counts.references
         ),
         match (report.bounds, report.caches.len()) {

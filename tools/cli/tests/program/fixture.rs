@@ -110,7 +110,10 @@ pub fn outgrown_door(folder: &Path) -> PathBuf {
         .vertices
         .iter_mut()
         .for_each(|vertex| vertex.position_rest[0] *= 1.5);
-    model.cluster_bones.iter_mut().for_each(|row| row.extent[0] *= 1.5);
+    for row in &mut model.cluster_bones {
+        row.bounds.min[0] *= 1.5;
+        row.bounds.max[0] *= 1.5;
+    }
     let path = folder.join("bad.rpose");
     std::fs::write(&path, write(&model).expect("still a sound file")).expect("room");
     path

@@ -105,10 +105,10 @@ pub fn outgrown_flag(folder: &Path) {
     for word in &mut model.key_words {
         *word = (f32::from_bits(*word) * 1.5).to_bits();
     }
-    model
-        .cluster_bones
-        .iter_mut()
-        .for_each(|row| row.extent = row.extent.map(|extent| extent * 1.5));
+    for row in &mut model.cluster_bones {
+        row.bounds.min = row.bounds.min.map(|x| x * 1.5);
+        row.bounds.max = row.bounds.max.map(|x| x * 1.5);
+    }
     fs::write(
         folder.join("bad_flag.rpose"),
         write(&model).expect("still a sound file"),

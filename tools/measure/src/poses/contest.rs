@@ -107,6 +107,7 @@ pub(super) fn contest(
             .map(|(scene, instance)| (scene.commit(), *instance))
             .collect();
         for ((frame, _), standing) in frames.iter().zip(&mut standings) {
+            frame.prepare();
             let stats = frame.stats();
             standing.clusters += u64::from(stats.clusters);
             standing.clusters_outside += u64::from(stats.clusters_outside);

@@ -1,0 +1,195 @@
+use super::Prepared;
+use crate::{
+    Aabb, Affine, Asset,
+    cluster_frame::{ClusterFrame, FrameInputs, Map64, PosedMap, Way, invert_frame},
+    excess::{Excess, MeasuredPose, Motions},
+    refitted_tree::RefittedTree,
+    vertex::reach,
+};
+use restpose_formats::rows::{ClusterRow, NONE};
+use std::sync::{
+    OnceLock,
+    atomic::{AtomicU32, Ordering::Relaxed},
+};
+
+/// Where rounding alone widens a cluster by more than this part of its longest side, as in a palette far from the origin,
+/// too little is known of the pose to call it inside.
+const UNKNOWN: f64 = 1.0 / 1024.0;
+
+/// Rays that enter a cluster through wider boxes before it is refitted, times the square of the excess relative to its
+/// longest side. Of n triangles such a ray tests about n·(2·excess)² at 10 ns, refitting takes 100 ns a triangle; so the
+/// two together cost at most twice the better.
+const REFIT_RAYS: f64 = 2.5;
+
+/// A cluster of an instance, and what rays have needed of it.
+#[derive(Debug)]
+pub(crate) struct ClusterState {
+    /// Cluster row.
+    pub row: u32,
+    /// Cache row that moves its vertices, or `NONE`.
+    pub cache: u32,
+    /// Contains every posed vertex of the cluster.
+    pub bounds_world: Aabb,
+    posed: OnceLock<PosedCluster>,
+    pub refitted: RefittedTree,
+    /// The envelope in which its pose was last found: where to look first.
+    nearest_envelope: AtomicU32,
+}
+
+/// A cluster in its pose: how rays find its triangles.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PosedCluster {
+    pub frame: ClusterFrame,
+    /// How far the pose is from the poses that the cluster's boxes were made for.
+    pub excess: Excess,
+    /// Rays that enter it before it is refitted for its excess; `u32::MAX` for never.
+    pub refit_after: u32,
+}
+
+impl PosedCluster {
+    fn without_excess(frame: ClusterFrame) -> Self {
+        Self {
+            frame,
+            excess: Excess::NONE,
+            refit_after: u32::MAX,
+        }
+    }
+}
+
+impl ClusterState {
+    pub(super) fn new() -> Self {
+        Self {
+            row: NONE,
+            cache: NONE,
+            bounds_world: Aabb::EMPTY,
+            posed: OnceLock::new(),
+            refitted: RefittedTree::default(),
+            nearest_envelope: AtomicU32::new(0),
+        }
+    }
+
+    /// Begins a pose. `tree` is the place of the tree that was built for it among the instance's, or `NONE`.
+    pub(super) fn begin(&mut self, row: u32, cache: u32, bounds_world: Aabb, tree: u32) {
+        self.row = row;
+        self.cache = cache;
+        self.bounds_world = bounds_world;
+        self.refitted.forget();
+        self.posed = OnceLock::new();
+        if tree != NONE {
+            let way = Way::Posed(tree);
+            self.posed = OnceLock::from(PosedCluster::without_excess(ClusterFrame { bounds_world, way }));
+        }
+    }
+
+    /// Threads that come first at the same time make it each, all the same.
+    #[inline]
+    pub(super) fn posed(&self, prepared: &Prepared, asset: &Asset, motions: &mut Motions) -> &PosedCluster {
+        if let Some(posed) = self.posed.get() {
+            return posed;
+        }
+        let posed = self.pose(prepared, asset, motions);
+        self.posed.get_or_init(|| posed)
+    }
+
+    /// What rays have made of it.
+    pub(crate) fn posed_so_far(&self) -> Option<&PosedCluster> {
+        self.posed.get()
+    }
+
+    fn pose(&self, prepared: &Prepared, asset: &Asset, motions: &mut Motions) -> PosedCluster {
+        let cluster = &asset.model().clusters[self.row as usize];
+        let refitted = || ClusterFrame {
+            bounds_world: self.bounds_world,
+            way: Way::Refitted,
+        };
+        if self.cache != NONE {
+            let frame = self.track_frame(prepared, asset, cluster);
+            return PosedCluster::without_excess(frame.unwrap_or_else(refitted));
+        }
+        // The baker judged poses without an instance transform; what it left out must not be traced here either.
+        let Some(inverse) = invert_frame(&prepared.pose.palette[cluster.bone as usize]) else {
+            return PosedCluster::without_excess(refitted());
+        };
+        let excess = self.excess(prepared, asset, cluster, &inverse, motions);
+        PosedCluster {
+            frame: self
+                .bone_frame(prepared, asset, cluster, &excess)
+                .unwrap_or_else(refitted),
+            excess,
+            refit_after: refit_after(cluster, &excess),
+        }
+    }
+
+    fn excess(
+        &self,
+        prepared: &Prepared,
+        asset: &Asset,
+        cluster: &ClusterRow,
+        inverse: &[[f64; 3]; 3],
+        motions: &mut Motions,
+    ) -> Excess {
+        let Some(space) = asset.pose_spaces().of(asset.model(), self.row as usize) else {
+            return Excess::NONE;
+        };
+        let pose = MeasuredPose {
+            bones: &prepared.pose.palette,
+            morph_weights: &prepared.pose.morph_weights,
+        };
+        let mut nearest = self.nearest_envelope.load(Relaxed).min(space.envelope_count - 1);
+        let mut excess = motions.measure(&space, cluster.bone as usize, inverse, pose, &mut nearest);
+        self.nearest_envelope.store(nearest, Relaxed);
+        excess.is_outside |= excess.largest() > UNKNOWN * longest_side(cluster);
+        excess
+    }
+
+    fn bone_frame(
+        &self,
+        prepared: &Prepared,
+        asset: &Asset,
+        cluster: &ClusterRow,
+        excess: &Excess,
+    ) -> Option<ClusterFrame> {
+        let transform = Map64::new(&prepared.transform);
+        let posed = |x: &Affine| PosedMap::product(&[&transform, &Map64::new(x)]);
+        let palette = &prepared.pose.palette;
+        let morphed = prepared.morph_extent();
+        ClusterFrame::new(&FrameInputs {
+            frame: &posed(&palette[cluster.bone as usize]),
+            bounds_local: &cluster.bounds_local,
+            reach: reach(asset.model(), cluster, |bone, extent| {
+                posed(&palette[bone as usize]).reach(std::array::from_fn(|k| extent[k] + morphed[k]))
+            }),
+            vertex_error: asset.vertex_error(),
+            bounds_world: &self.bounds_world,
+            excess: excess.local,
+        })
+    }
+
+    fn track_frame(&self, prepared: &Prepared, asset: &Asset, cluster: &ClusterRow) -> Option<ClusterFrame> {
+        let state = &prepared.caches()[self.cache as usize];
+        if state.is_cut(asset.model(), cluster.track) {
+            return None;
+        }
+        ClusterFrame::new(&FrameInputs {
+            frame: &state.track(cluster.track).frame,
+            bounds_local: &cluster.bounds_local,
+            reach: reach(asset.model(), cluster, |track, extent| state.track(track).reach(extent)),
+            vertex_error: asset.cache_vertex_error(),
+            bounds_world: &self.bounds_world,
+            excess: Excess::NONE.local,
+        })
+    }
+}
+
+fn refit_after(cluster: &ClusterRow, excess: &Excess) -> u32 {
+    let relative = excess.largest() / longest_side(cluster);
+    // The cast saturates, and makes a NaN zero.
+    (REFIT_RAYS / (relative * relative)) as u32
+}
+
+fn longest_side(cluster: &ClusterRow) -> f64 {
+    let bounds = &cluster.bounds_local;
+    (0..3).fold(0.0, |longest: f64, k| {
+        longest.max(f64::from(bounds.max[k]) - f64::from(bounds.min[k]))
+    })
+}

@@ -1,0 +1,257 @@
+//! What rays need of an instance in its pose: made when a ray first enters its box, without waiting for others, and no
+//! more of it than that ray needs.
+//!
+//! At once: the palette, its product with the instance transform, world boxes of the clusters and the tree over them. When
+//! a ray enters a cluster: its frame, margin and excess ([`cluster_state`]). When it reaches a triangle: its vertices
+//! ([`VertexMemo`]). When many have come: all vertices, and a tree over the posed triangles ([`whole`]).
+
+mod cluster_state;
+mod kept;
+mod pool;
+mod whole;
+
+pub(crate) use cluster_state::{ClusterState, PosedCluster};
+pub(crate) use pool::PreparedPool;
+pub(crate) use whole::Whole;
+
+use crate::{
+    Aabb, Affine, Asset, Pose, PoseEvaluator, Posing,
+    box_tree::{BoxTree, triangle_box},
+    build::BvhSettings,
+    cache::CacheState,
+    cluster_frame::{Map64, PosedMap, posed_map},
+    excess::Motions,
+    posed_bounds::{cluster_bounds, morph_extent},
+    stats::Count,
+    top_level::TopLevel,
+    vertex::pose_vertex,
+    vertex_memo::VertexMemo,
+};
+use kept::Kept;
+use restpose_formats::{
+    ModelView,
+    rows::{ClusterRow, NONE},
+};
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+/// An instance in its pose.
+#[derive(Debug, Default)]
+pub(crate) struct Prepared {
+    evaluator: PoseEvaluator,
+    pub transform: Affine,
+    /// Asset space from rest space, and what goes with it.
+    pub pose: Pose,
+    /// World space from rest space, per bone row.
+    posed: Vec<Affine>,
+    morph_extent: [f64; 3],
+    /// Per cache row.
+    caches: Vec<CacheState>,
+    /// What rays may enter: clusters without a track, then those of each cache's present segment.
+    pub clusters: Vec<ClusterState>,
+    /// Over the clusters, by their place in `clusters`.
+    pub top_level: TopLevel,
+    /// Trees over posed triangles, of clusters in free motion.
+    pub trees: Vec<BoxTree>,
+    posing: Posing,
+    /// Rays that entered the instance, as far as they are counted.
+    rays: AtomicU32,
+    memo: Kept<VertexMemo>,
+    whole: Kept<Whole>,
+}
+
+impl Prepared {
+    /// Begins a pose, which `evaluate` writes.
+    ///
+    /// Complexity: per bone and cluster, not per triangle, but for free motion.
+    pub(crate) fn prepare(
+        &mut self,
+        asset: &Asset,
+        transform: Affine,
+        posing: Posing,
+        evaluate: impl FnOnce(&mut PoseEvaluator, &mut Pose),
+    ) {
+        let model = asset.model();
+        self.forget();
+        self.posing = posing;
+        self.transform = transform;
+        evaluate(&mut self.evaluator, &mut self.pose);
+        self.morph_extent = morph_extent(model, &self.pose.morph_weights);
+        let transform = Map64::new(&transform);
+        self.posed.clear();
+        self.posed
+            .extend(self.pose.palette.iter().map(|x| posed_map(&transform, x)));
+        self.caches.resize_with(model.caches.len(), CacheState::default);
+        for (index, cache) in model.caches.iter().enumerate() {
+            let world = [transform, Map64::new(&self.pose.palette[cache.bone as usize])];
+            self.caches[index].update(model, cache, self.pose.cache_frames[index], &world);
+        }
+        self.place_clusters(asset);
+    }
+
+    fn forget(&mut self) {
+        *self.rays.get_mut() = 0;
+        self.memo.forget();
+        self.whole.forget();
+    }
+
+    fn place_clusters(&mut self, asset: &Asset) {
+        let model = asset.model();
+        let mut slot = 0;
+        let mut place = |clusters: &mut Vec<ClusterState>, row: u32, cache: u32, bounds: Aabb, tree: u32| {
+            if slot == clusters.len() {
+                clusters.push(ClusterState::new());
+            }
+            clusters[slot].begin(row, cache, bounds, tree);
+            slot += 1;
+        };
+        let mut clusters = std::mem::take(&mut self.clusters);
+        let without_track = asset.clusters_without_track();
+        for (row, cluster) in (0..).zip(&model.clusters[..without_track]) {
+            let bounds = cluster_bounds(asset, cluster, &self.posed, self.morph_extent);
+            place(&mut clusters, row, NONE, bounds, NONE);
+        }
+        let mut trees = 0;
+        for (index, cache) in (0u32..).zip(model.caches) {
+            let Some(time) = self.caches[index as usize].time() else {
+                continue;
+            };
+            let segment = &model.segments[time.segment as usize];
+            let bone = Map64::new(&self.pose.palette[cache.bone as usize]);
+            let bone = PosedMap::product(&[&Map64::new(&self.transform), &bone]);
+            for row in segment.cluster_first..segment.cluster_first + segment.cluster_count {
+                let cluster = &model.clusters[row as usize];
+                if model.tracks[cluster.track as usize].key_first == NONE {
+                    let tree = self.build_tree(asset, index, cluster, trees);
+                    place(&mut clusters, row, index, self.trees[tree].bounds(), tree as u32);
+                    trees += 1;
+                } else {
+                    let bounds = self.caches[index as usize].cluster_bounds(asset, cluster, &bone);
+                    place(&mut clusters, row, index, bounds, NONE);
+                }
+            }
+        }
+        clusters.truncate(slot);
+        self.clusters = clusters;
+        let clusters = &self.clusters;
+        let bounds = |slot: u32| clusters[slot as usize].bounds_world;
+        if model.caches.is_empty() {
+            self.top_level.refit(asset.top_level(), bounds);
+        } else {
+            self.top_level.rebuild(0..clusters.len() as u32, bounds);
+        }
+    }
+
+    /// Builds the tree at `place` over a cluster's posed triangles. The place.
+    fn build_tree(&mut self, asset: &Asset, cache: u32, cluster: &ClusterRow, place: usize) -> usize {
+        if self.trees.len() == place {
+            self.trees.push(BoxTree::default());
+        }
+        let mut tree = std::mem::take(&mut self.trees[place]);
+        let model = asset.model();
+        let triangles = asset.cluster_triangles(cluster);
+        let bound = |triangle| triangle_box(self.recomputed_triangle(model, cache, triangle));
+        tree.rebuild(triangles, bound, &BvhSettings::default());
+        self.trees[place] = tree;
+        place
+    }
+
+    /// Contains every posed vertex that some triangle with area uses.
+    pub(crate) fn bounds(&self) -> Aabb {
+        self.top_level.bounds()
+    }
+
+    /// A cluster with its frame.
+    pub(crate) fn cluster(&self, asset: &Asset, slot: u32, motions: &mut Motions) -> (&ClusterState, &PosedCluster) {
+        let state = &self.clusters[slot as usize];
+        (state, state.posed(self, asset, motions))
+    }
+
+    /// Counts a ray that enters the instance, and does what so many are worth.
+    #[inline]
+    pub(crate) fn enter(&self, asset: &Asset) -> Option<&Whole> {
+        if let Some(whole) = self.whole.get() {
+            return Some(whole);
+        }
+        if self.posing == Posing::Recomputed {
+            return None;
+        }
+        self.enter_counted(asset)
+    }
+
+    fn enter_counted(&self, asset: &Asset) -> Option<&Whole> {
+        let limits = asset.posing_limits().of(self.posing);
+        // One ray more or less changes no hit.
+        let rays = self.rays.fetch_add(1, Relaxed);
+        if rays >= limits.whole {
+            return self.whole.get_or_make(|whole| whole.pose(self, asset));
+        }
+        if rays >= limits.remembered {
+            let vertices = asset.model().vertices.len();
+            self.memo.get_or_make(|memo| memo.begin(vertices));
+        }
+        None
+    }
+
+    pub(crate) fn is_remembered(&self) -> bool {
+        self.memo.get().is_some()
+    }
+
+    pub(crate) fn is_whole(&self) -> bool {
+        self.whole.get().is_some()
+    }
+
+    pub(crate) fn caches(&self) -> &[CacheState] {
+        &self.caches
+    }
+
+    pub(crate) fn morph_extent(&self) -> [f64; 3] {
+        self.morph_extent
+    }
+
+    /// Poses a triangle's corners in world space. `cache` is that of its part.
+    #[inline]
+    pub(crate) fn pose_triangle(
+        &self,
+        model: &ModelView,
+        cache: u32,
+        triangle: u32,
+        counters: &mut impl Count,
+    ) -> [[f32; 3]; 3] {
+        let corners = model.triangles[triangle as usize].corners;
+        if let Some(whole) = self.whole.get() {
+            return corners.map(|corner| whole.positions[corner as usize]);
+        }
+        let mut pose = |corner| {
+            counters.vertex();
+            self.recomputed_vertex(model, cache, corner)
+        };
+        match self.memo.get() {
+            Some(memo) => corners.map(|corner| memo.position(corner, || pose(corner))),
+            None => corners.map(pose),
+        }
+    }
+
+    /// Poses all vertices in world space.
+    pub(crate) fn pose_all(&self, asset: &Asset, out: &mut Vec<[f32; 3]>) {
+        let model = asset.model();
+        out.clear();
+        let vertices = 0..model.vertices.len().saturating_sub(1) as u32;
+        out.extend(vertices.map(|vertex| self.recomputed_vertex(model, asset.cache_of_vertex(vertex), vertex)));
+    }
+
+    #[inline]
+    pub(crate) fn recomputed_triangle(&self, model: &ModelView, cache: u32, triangle: u32) -> [[f32; 3]; 3] {
+        let corners = model.triangles[triangle as usize].corners;
+        corners.map(|corner| self.recomputed_vertex(model, cache, corner))
+    }
+
+    /// Poses a vertex in world space. `cache` is that of its part.
+    #[inline]
+    pub(crate) fn recomputed_vertex(&self, model: &ModelView, cache: u32, vertex: u32) -> [f32; 3] {
+        if cache == NONE {
+            pose_vertex(model, &self.posed, &self.pose.morph_weights, vertex)
+        } else {
+            self.caches[cache as usize].pose_vertex(model, vertex)
+        }
+    }
+}

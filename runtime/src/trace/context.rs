@@ -1,0 +1,55 @@
+use super::{
+    moments::Moments,
+    walk::{EMPTY_LEVEL, Level},
+};
+use crate::{excess::Motions, wide::WideStack};
+use std::cell::RefCell;
+
+/// Scratch of a ray's way through a scene. Large: keep one per thread.
+pub(crate) struct TraceContext {
+    /// For the tree over instances.
+    pub(super) stack: WideStack,
+    pub(super) instance: InstanceContext,
+}
+
+pub(super) struct InstanceContext {
+    /// For the tree over clusters, or over all triangles.
+    pub stack: WideStack,
+    pub cluster: ClusterContext,
+    pub moments: Moments,
+}
+
+pub(super) struct ClusterContext {
+    pub stack: WideStack,
+    pub binary: Level,
+    pub motions: Motions,
+}
+
+impl TraceContext {
+    fn new() -> Self {
+        Self {
+            stack: WideStack::new(),
+            instance: InstanceContext {
+                stack: WideStack::new(),
+                cluster: ClusterContext {
+                    stack: WideStack::new(),
+                    binary: EMPTY_LEVEL,
+                    motions: Motions::default(),
+                },
+                moments: Moments::default(),
+            },
+        }
+    }
+
+    /// Runs `trace` with the thread's own.
+    pub(crate) fn with<T>(trace: impl FnOnce(&mut Self) -> T) -> T {
+        thread_local! {
+            static OWN: RefCell<TraceContext> = RefCell::new(TraceContext::new());
+        }
+        OWN.with(|own| match own.try_borrow_mut() {
+            Ok(mut own) => trace(&mut own),
+            // A task that was stolen while a ray of this thread waits for others, as when it poses a whole instance.
+            Err(_) => trace(&mut Self::new()),
+        })
+    }
+}

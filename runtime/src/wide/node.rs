@@ -1,0 +1,83 @@
+use crate::Aabb;
+use bytemuck::{Pod, Zeroable};
+use restpose_formats::rows::{WideChild, WideNodeRow};
+
+/// A node of a tree in world space: eight children with their boxes.
+///
+/// A place whose box is empty (`min > max`) is never entered, whatever stands in it.
+#[repr(C, align(32))]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct WideNode {
+    /// Least corners: per axis, per child. No side is NaN.
+    pub min: [[f32; 8]; 3],
+    /// Greatest corners.
+    pub max: [[f32; 8]; 3],
+    /// Packed [`WideChild`]ren. A node's index counts in the slice that holds the tree, and is above its parent's.
+    pub children: [u32; 8],
+}
+
+impl WideNode {
+    /// A node without children.
+    pub(crate) const EMPTY: Self = Self {
+        min: [[f32::INFINITY; 8]; 3],
+        max: [[f32::NEG_INFINITY; 8]; 3],
+        children: [WideChild::EMPTY; 8],
+    };
+
+    /// The box of one place.
+    #[cfg(test)]
+    pub(crate) fn bounds(&self, place: usize) -> Aabb {
+        Aabb {
+            min: std::array::from_fn(|k| self.min[k][place]),
+            max: std::array::from_fn(|k| self.max[k][place]),
+        }
+    }
+
+    #[inline]
+    pub(crate) fn set_bounds(&mut self, place: usize, bounds: &Aabb) {
+        for k in 0..3 {
+            self.min[k][place] = bounds.min[k];
+            self.max[k][place] = bounds.max[k];
+        }
+    }
+
+    /// The box around all of its places; empty where all of them are.
+    #[inline]
+    pub(crate) fn around(&self) -> Aabb {
+        // Pairs first, so that no lane waits for the one before it.
+        let fold = |lanes: &[f32; 8], pick: fn(f32, f32) -> f32| {
+            let four: [f32; 4] = std::array::from_fn(|i| pick(lanes[i], lanes[i + 4]));
+            pick(pick(four[0], four[2]), pick(four[1], four[3]))
+        };
+        let less = |a: f32, b: f32| if a < b { a } else { b };
+        let greater = |a: f32, b: f32| if a > b { a } else { b };
+        Aabb {
+            min: std::array::from_fn(|k| fold(&self.min[k], less)),
+            max: std::array::from_fn(|k| fold(&self.max[k], greater)),
+        }
+    }
+}
+
+/// Appends a tree of the same topology as `rows`, without boxes, and returns the index of its root; `child` says what
+/// stands where the rows have a leaf. Several trees can so be joined to one.
+///
+/// `rows` are one tree's, the root first; `nodes` must stay below 2³¹ nodes.
+pub(crate) fn append_rows(
+    nodes: &mut Vec<WideNode>,
+    rows: &[WideNodeRow],
+    mut child: impl FnMut(u32) -> WideChild,
+) -> u32 {
+    let root = nodes.len() as u32;
+    nodes.extend(rows.iter().map(|row| WideNode {
+        children: row.children.map(|word| {
+            let moved = match WideChild::unpack(word) {
+                WideChild::Empty => WideChild::Empty,
+                WideChild::Node(index) => WideChild::Node(root + index),
+                WideChild::Leaf(index) => child(index),
+            };
+            moved.pack()
+        }),
+        ..WideNode::EMPTY
+    }));
+    root
+}

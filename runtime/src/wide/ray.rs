@@ -1,0 +1,51 @@
+use crate::cluster_frame::SlabRay;
+use restpose_formats::geom::round::UNIT_ROUNDOFF;
+
+/// Two units in the last place of a coordinate, relatively: see [`WideRay`].
+const ORIGIN_SLACK: f32 = (4.0 * UNIT_ROUNDOFF) as f32;
+
+/// A ray ready for nodes whose boxes are `f32`, the margin folded into its origin.
+///
+/// # Why it is no narrower than a [`SlabRay`]
+///
+/// With the origin o, the margin m, both as stored, and u = 2⁻²⁴, a plane that bounds from below counts from
+/// `o⁺ = fl(o + fl(4u·|o| + m))`, one that bounds from above from `o⁻ = fl(o − fl(4u·|o| + m))`. Each of the two sums is
+/// off by u relatively, so `o⁺ ≥ o + 2u·|o| + m·(1 − 2u)`: the plane moves outwards by the margin but for 2u·m, which the
+/// spare part of the margin (`cluster_frame`, points 5 to 7: ten or more u·D needed of sixteen, m being about 16u·D)
+/// outweighs by far. What is computed per plane, `(plane − o⁺)·(1/d)`, then has three roundings, relative to
+/// `|plane − o⁺| ≤ |plane − o| + m + 6u·|o|`: within point 7's four relative to `|plane − o|`, since the third term enters
+/// with the 2u·|o| to spare above, and 3u·m is again outweighed.
+///
+/// Where the sums overflow, the planes of the axis restrict nothing; nor does a plane whose `t` is NaN.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WideRay {
+    /// Origin for the planes that the ray meets first.
+    pub near: [f32; 3],
+    /// Origin for those that it meets last.
+    pub far: [f32; 3],
+    pub inverse_direction: [f32; 3],
+    /// Whether the ray runs with the axis.
+    pub forward: [bool; 3],
+    /// Some axis restricts nothing: not even empty boxes, which must be told apart then.
+    pub unbounded: bool,
+}
+
+impl WideRay {
+    #[inline]
+    pub(crate) fn new(ray: &SlabRay) -> Self {
+        let mut out = Self {
+            near: [0.0; 3],
+            far: [0.0; 3],
+            inverse_direction: ray.inverse_direction,
+            forward: ray.inverse_direction.map(f32::is_sign_positive),
+            unbounded: false,
+        };
+        for k in 0..3 {
+            let outwards = ORIGIN_SLACK * ray.origin[k].abs() + ray.margin[k];
+            let (above, below) = (ray.origin[k] + outwards, ray.origin[k] - outwards);
+            (out.near[k], out.far[k]) = if out.forward[k] { (above, below) } else { (below, above) };
+            out.unbounded |= !(above.is_finite() && below.is_finite());
+        }
+        out
+    }
+}
