@@ -174,9 +174,7 @@ impl<'a> Contest<'a> {
                     hits += contestant.hits().map_or(0, |hits| hits.iter().flatten().count());
                 }
                 if sum.rays > 0 {
-                    let vertices = self.crowd.asset.model().vertices.len() - 1;
-                    let all_vertices = vertices * self.crowd.transforms.len();
-                    *counts = Some(FrameCounts::new(&sum, hits, frames, all_vertices));
+                    *counts = Some(FrameCounts::new(&sum, hits, frames));
                 }
             }
             out.push(counts);

@@ -1,7 +1,8 @@
 use super::settings::Palettes;
 use crate::MeasureError;
+use rayon::prelude::*;
 use restpose_formats::rows::ClipRow;
-use restpose_runtime::{Aabb, Affine, Asset, InstanceId, Pose, PoseEvaluator, Scene};
+use restpose_runtime::{Aabb, Affine, Asset, Frame, InstanceId, Pose, PoseEvaluator, Scene};
 use std::sync::Arc;
 
 /// Distance of neighbours over the asset's size: they do not touch.
@@ -86,7 +87,7 @@ impl Crowd {
                 None => scene.set_default_pose(instance)?,
                 Some(clip) => scene.play(instance, clip, pose.seconds[0])?,
             }
-            bounds = bounds.union(scene.commit().bounds());
+            bounds = bounds.union(posed_bounds(&scene.commit(), &[instance], &self.asset));
         }
         Ok(bounds)
     }
@@ -126,4 +127,15 @@ impl Crowd {
         }
         Ok(())
     }
+}
+
+/// The box around all posed vertices. (That of a frame holds whatever the clip's other poses take up, too.)
+pub(super) fn posed_bounds(frame: &Frame, instances: &[InstanceId], asset: &Asset) -> Aabb {
+    let vertices = asset.model().vertices.len() as u32 - 1;
+    let of_one = |instance: &InstanceId| {
+        let positions = (0..vertices).filter_map(|vertex| frame.vertex(*instance, vertex));
+        Aabb::around(positions)
+    };
+    let boxes = instances.par_iter().map(of_one);
+    boxes.reduce(|| Aabb::EMPTY, |a, b| a.union(b))
 }

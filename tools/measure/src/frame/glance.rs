@@ -6,7 +6,7 @@ use super::{
     settings::FrameSettings,
 };
 use crate::{MeasureError, peak_memory::resident_bytes, statistics::median};
-use restpose_runtime::{Affine, Asset, Scene};
+use restpose_runtime::{Affine, Asset, Posing, Scene};
 use serde::Serialize;
 use std::{io::Write, sync::Arc, time::Instant};
 
@@ -71,7 +71,8 @@ pub(super) fn glances(scene: &mut FrameScene, settings: &FrameSettings) -> Resul
             open_us: 1e6 * open_seconds,
             open_seconds_per_gib: open_seconds / file.bytes.len() as f64 * (1u64 << 30) as f64,
             pose_bytes: pose_bytes as u64,
-            bytes_per_instance: bytes_per_instance(&file.asset, strategy.choose).map(|bytes| bytes - pose_bytes as f64),
+            bytes_per_instance: bytes_per_instance(&file.asset, strategy.posing)?
+                .map(|bytes| bytes - pose_bytes as f64),
         });
     }
     Ok(out)
@@ -95,21 +96,23 @@ fn open_seconds(file: &File) -> Result<f64, MeasureError> {
 }
 
 /// Memory of an instance, pose included: the slope between half of the instances and all, of as many as it takes to see it.
-fn bytes_per_instance(asset: &Arc<Asset>, choose: fn(&mut Scene)) -> Option<f64> {
-    let before = resident_bytes()?;
+fn bytes_per_instance(asset: &Arc<Asset>, posing: Posing) -> Result<Option<f64>, MeasureError> {
+    let Some(before) = resident_bytes() else {
+        return Ok(None);
+    };
     let mut scene = Scene::new();
-    choose(&mut scene);
     let (mut count, mut half) = (0usize, (0usize, before));
-    loop {
-        let now = resident_bytes()?;
+    while let Some(now) = resident_bytes() {
         if now.saturating_sub(before) >= GROWTH_BYTES || count >= MOST_INSTANCES {
-            return Some((now as f64 - half.1 as f64) / (count - half.0).max(1) as f64);
+            return Ok(Some((now as f64 - half.1 as f64) / (count - half.0).max(1) as f64));
         }
         half = (count, now);
         for _ in 0..count.max(16) {
-            scene.add(asset);
+            let instance = scene.add(asset);
+            scene.set_posing(instance, posing)?;
             count += 1;
         }
         scene.commit();
     }
+    Ok(None)
 }

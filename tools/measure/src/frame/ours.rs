@@ -6,7 +6,7 @@ use super::{
 use crate::MeasureError;
 use rayon::prelude::*;
 use restpose_bake::BakeSettings;
-use restpose_runtime::{Hit, InstanceId, Ray, Scene, TraceCounters};
+use restpose_runtime::{Hit, InstanceId, Posing, Ray, Scene, TraceCounters};
 use std::{
     sync::Arc,
     time::{Duration, Instant},
@@ -18,16 +18,21 @@ pub(super) struct Strategy {
     pub name: &'static str,
     /// What the file must be baked with; `None`: as it is.
     pub bake: Option<fn(&mut BakeSettings)>,
-    /// What is asked of the scene.
-    pub choose: fn(&mut Scene),
+    /// How its instances are posed.
+    pub posing: Posing,
+}
+
+const fn strategy(name: &'static str, bake: Option<fn(&mut BakeSettings)>, posing: Posing) -> Strategy {
+    Strategy { name, bake, posing }
 }
 
 /// All strategies of the runtime, a line each.
-pub(super) const STRATEGIES: &[Strategy] = &[Strategy {
-    name: "restpose-kd",
-    bake: None,
-    choose: |_| {},
-}];
+pub(super) const STRATEGIES: &[Strategy] = &[
+    strategy("restpose-kd", None, Posing::Chosen),
+    strategy("restpose-kd-recomputed", None, Posing::Recomputed),
+    strategy("restpose-kd-remembered", None, Posing::Remembered),
+    strategy("restpose-kd-whole", None, Posing::Whole),
+];
 
 /// The runtime.
 pub(super) struct Ours {
@@ -41,7 +46,9 @@ pub(super) struct Ours {
 impl Ours {
     pub(super) fn new(crowd: &Arc<Crowd>, file: &File, strategy: &Strategy) -> Result<Self, MeasureError> {
         let (mut scene, instances) = crowd.scene(&file.asset)?;
-        (strategy.choose)(&mut scene);
+        for instance in &instances {
+            scene.set_posing(*instance, strategy.posing)?;
+        }
         Ok(Self {
             crowd: Arc::clone(crowd),
             scene,

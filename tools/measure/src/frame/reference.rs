@@ -1,4 +1,9 @@
-use super::{RayKind, crowd::Crowd, ray_sets::RaySet, settings::FrameSettings};
+use super::{
+    RayKind,
+    crowd::{Crowd, posed_bounds},
+    ray_sets::RaySet,
+    settings::FrameSettings,
+};
 use crate::{MeasureError, Place, WrongHit, checked_rays::brute_force_subset};
 use rayon::prelude::*;
 use restpose_bake::verify::Oracle;
@@ -34,7 +39,7 @@ impl Reference {
         // The first pose comes last and stays.
         for pose in (0..crowd.poses.len()).rev() {
             crowd.pose(&mut scene, &instances, pose)?;
-            bounds = bounds.union(scene.commit().bounds());
+            bounds = bounds.union(posed_bounds(&scene.commit(), &instances, &crowd.asset));
         }
         let frame = scene.commit();
         let oracle = Oracle::new(&frame, &instances);

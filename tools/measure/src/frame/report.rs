@@ -66,7 +66,9 @@ pub struct FrameCounts {
     pub tests: f64,
     /// Clusters entered.
     pub clusters: f64,
-    /// Upper bound of vertices posed: three per test, no more than there are.
+    /// Instances entered.
+    pub instances: f64,
+    /// Vertices posed for tests; where an instance is posed whole, its vertices do not count.
     pub vertices_posed: f64,
     /// Upper bound of bytes read: nodes, references, boxes, triangles and posed vertices as often as they are visited.
     pub bytes_touched: f64,
@@ -76,7 +78,7 @@ pub struct FrameCounts {
 const VERTEX_BYTES: usize = 16;
 
 impl FrameCounts {
-    pub(super) fn new(sum: &TraceCounters, hits: usize, frames: usize, vertices: usize) -> Self {
+    pub(super) fn new(sum: &TraceCounters, hits: usize, frames: usize) -> Self {
         let per_frame = |count: u64| count as f64 / frames as f64;
         let bytes = sum.steps * size_of::<KdNodeRow>() as u64
             + sum.box_tests * (size_of::<u32>() + size_of::<ReferenceBoxRow>()) as u64
@@ -87,7 +89,8 @@ impl FrameCounts {
             box_tests: per_frame(sum.box_tests),
             tests: per_frame(sum.triangle_tests),
             clusters: per_frame(sum.clusters_entered),
-            vertices_posed: (3.0 * per_frame(sum.triangle_tests)).min(vertices as f64),
+            instances: per_frame(sum.instances_entered),
+            vertices_posed: per_frame(sum.vertices_posed),
             bytes_touched: per_frame(bytes),
         }
     }
