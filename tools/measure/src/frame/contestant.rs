@@ -24,7 +24,7 @@ pub(super) trait Contestant: Send {
         None
     }
 
-    /// A frame that is counted instead of timed; `None` where nothing counts.
+    /// A frame on one thread that is counted instead of timed; `None` where nothing counts.
     fn counted(&mut self, _pose: usize) -> Result<Option<TraceCounters>, MeasureError> {
         Ok(None)
     }

@@ -25,7 +25,7 @@ const MOST_INSTANCES: usize = 1 << 15;
 pub struct Glance {
     /// File name of the source.
     pub scene: String,
-    /// A strategy of the runtime that takes such a file.
+    /// The first strategy of the runtime that takes this file.
     pub strategy: &'static str,
     /// Of one instance, degenerate ones included.
     pub triangles: u64,
@@ -48,13 +48,17 @@ pub struct Glance {
     pub bytes_per_instance: Option<f64>,
 }
 
-/// A row per strategy.
+/// A row per file, not per strategy: no ray has come yet.
 pub(super) fn glances(scene: &mut FrameScene, settings: &FrameSettings) -> Result<Vec<Glance>, MeasureError> {
     let mut out = Vec::new();
+    let mut known: Vec<Arc<File>> = Vec::new();
     for strategy in STRATEGIES.iter().filter(|strategy| settings.chosen(strategy.name)) {
         let Some(file) = scene.file(strategy.bake)? else {
             continue;
         };
+        if known.iter().any(|known| Arc::ptr_eq(known, &file)) {
+            continue;
+        }
         let model = file.asset.model();
         let pose_bytes = model.bones.len() * size_of::<Affine>()
             + model.morph_targets.len() * size_of::<f32>()
@@ -74,6 +78,7 @@ pub(super) fn glances(scene: &mut FrameScene, settings: &FrameSettings) -> Resul
             bytes_per_instance: bytes_per_instance(&file.asset, strategy.posing)?
                 .map(|bytes| bytes - pose_bytes as f64),
         });
+        known.push(file);
     }
     Ok(out)
 }

@@ -52,13 +52,13 @@ pub fn measure_frame(
 ) -> Result<FrameReport, MeasureError> {
     settings.check()?;
     let pools = thread_pools(&settings.threads)?;
-    let Some(file) = scene.file(None)? else {
+    // Before anything else has taken memory and given it back.
+    let glances = glance::glances(scene, settings)?;
+    let Some(file) = scene.file(None)?.filter(|_| !glances.is_empty()) else {
         return Err(MeasureError::NoStrategy {
             scene: scene.name.clone(),
         });
     };
-    // Before anything else has taken memory and given it back.
-    let glances = glance::glances(scene, settings)?;
     let crowd = Arc::new(Crowd::new(
         &file.asset,
         scene.instances,

@@ -4,7 +4,6 @@ use super::{
     scene::File,
 };
 use crate::MeasureError;
-use rayon::prelude::*;
 use restpose_bake::BakeSettings;
 use restpose_runtime::{Hit, InstanceId, Posing, Ray, Scene, TraceCounters};
 use std::{
@@ -89,16 +88,11 @@ impl Contestant for Ours {
     fn counted(&mut self, pose: usize) -> Result<Option<TraceCounters>, MeasureError> {
         self.crowd.pose(&mut self.scene, &self.instances, pose)?;
         let frame = self.scene.commit();
-        let one = |(ray, hit): (&Ray, &mut Option<Hit>)| {
-            let mut counters = TraceCounters::default();
+        // One after the other: from which ray on more is posed depends on how many came before.
+        let mut counters = TraceCounters::default();
+        for (ray, hit) in self.rays.iter().zip(&mut self.hits) {
             *hit = frame.closest_hit_counted(ray, &mut counters);
-            counters
-        };
-        let sum = |mut a: TraceCounters, b| {
-            a += b;
-            a
-        };
-        let counters = self.rays.par_iter().zip(&mut self.hits).map(one);
-        Ok(Some(counters.reduce(TraceCounters::default, sum)))
+        }
+        Ok(Some(counters))
     }
 }
