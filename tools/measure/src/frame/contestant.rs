@@ -1,4 +1,5 @@
 use crate::MeasureError;
+use restpose_formats::TreeKind;
 use restpose_runtime::{Hit, Ray, TraceCounters};
 use std::time::Duration;
 
@@ -22,6 +23,11 @@ pub(super) trait Contestant: Send {
     /// What the last frame hit, of the runtime's contestants.
     fn hits(&self) -> Option<&[Option<Hit>]> {
         None
+    }
+
+    /// What is counted in [`Contestant::counted`]: nodes of such trees.
+    fn tree(&self) -> TreeKind {
+        TreeKind::Kd
     }
 
     /// A frame on one thread that is counted instead of timed; `None` where nothing counts.

@@ -5,6 +5,7 @@ use super::{
 };
 use crate::MeasureError;
 use restpose_bake::BakeSettings;
+use restpose_formats::TreeKind;
 use restpose_runtime::{Hit, InstanceId, Posing, Ray, Scene, TraceCounters};
 use std::{
     sync::Arc,
@@ -38,6 +39,7 @@ pub(super) struct Ours {
     crowd: Arc<Crowd>,
     scene: Scene,
     instances: Vec<InstanceId>,
+    tree: TreeKind,
     rays: Vec<Ray>,
     hits: Vec<Option<Hit>>,
 }
@@ -52,6 +54,7 @@ impl Ours {
             crowd: Arc::clone(crowd),
             scene,
             instances,
+            tree: file.asset.model().meta.tree,
             rays: Vec::new(),
             hits: Vec::new(),
         })
@@ -83,6 +86,10 @@ impl Contestant for Ours {
 
     fn hits(&self) -> Option<&[Option<Hit>]> {
         Some(&self.hits)
+    }
+
+    fn tree(&self) -> TreeKind {
+        self.tree
     }
 
     fn counted(&mut self, pose: usize) -> Result<Option<TraceCounters>, MeasureError> {
