@@ -114,6 +114,7 @@ mod tests {
         assert_eq!(size_of::<RayHit>(), 80);
         assert_eq!(std::mem::offset_of!(RayHit, far), 32);
         assert_eq!(std::mem::offset_of!(RayHit, normal), 48);
+        assert_eq!(std::mem::offset_of!(RayHit, geometry), 72);
         assert_eq!(size_of::<RayHits<8>>(), 640);
         assert_eq!(size_of::<RayHits<16>>(), 1280);
         assert_eq!(std::mem::offset_of!(RayHits<16>, geometry), 64 * 18);
