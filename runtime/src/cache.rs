@@ -76,6 +76,12 @@ impl PosedTrack {
         }
     }
 
+    /// World space from the stored numbers of the key before and of the key after.
+    #[inline]
+    pub(crate) fn maps(&self) -> [&Affine; 2] {
+        self.maps.each_ref().map(|map| &map.map)
+    }
+
     /// Bounds, per world axis, the magnitudes that enter a vertex whose stored numbers are at most `extent`.
     pub(crate) fn reach(&self, extent: [f64; 3]) -> [f64; 3] {
         let [a, b] = self.maps.each_ref().map(|map| map.reach(extent));
@@ -160,6 +166,28 @@ impl CacheState {
         });
         std::array::from_fn(|k| a[k] + b[k])
     }
+
+    /// What [`CacheState::pose_vertex`] reads; `None` before the first update.
+    pub(crate) fn source(&self) -> Option<CacheSource<'_>> {
+        self.time.map(|time| CacheSource {
+            keys: time.keys,
+            key_vertex_shift: self.key_vertex_shift,
+            track_first: self.track_first,
+            tracks: &self.tracks,
+        })
+    }
+}
+
+/// Where the vertices of a cache come from in this frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CacheSource<'a> {
+    /// The key before and the key after, counted from the segment's first.
+    pub keys: [u32; 2],
+    /// Key-vertex row minus vertex row; wraps.
+    pub key_vertex_shift: u32,
+    /// Row of the first of `tracks`.
+    pub track_first: u32,
+    pub tracks: &'a [PosedTrack],
 }
 
 /// `f32` roundings of [`CacheState::pose_vertex`]: product and sums with a map are four, the last sum is one.

@@ -64,6 +64,7 @@ mod trace;
 pub mod triangle;
 mod vertex;
 mod vertex_memo;
+mod whole_pose;
 mod wide;
 
 pub use asset::Asset;

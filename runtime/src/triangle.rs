@@ -44,6 +44,7 @@ pub struct TriangleHit {
 
 impl PreparedRay {
     /// Prepares a ray; `None` when it can hit nothing (see [`Ray`]).
+    #[inline]
     #[must_use]
     pub fn new(ray: &Ray) -> Option<Self> {
         if !ray.is_usable() {
@@ -66,7 +67,7 @@ impl PreparedRay {
     ///
     /// Guarantee: triangles that share an edge leave no gap along it, because equal corners are sheared to equal
     /// numbers and each edge function's sign is exact. A triangle seen exactly edge-on, or without area, is not hit.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn intersect(&self, corners: &[[f32; 3]; 3]) -> Option<TriangleHit> {
         let [a, b, c] = [self.shear(corners[0]), self.shear(corners[1]), self.shear(corners[2])];
@@ -103,7 +104,7 @@ impl PreparedRay {
     }
 
     /// The corner relative to the origin, sheared so that the ray runs along the third axis.
-    #[inline]
+    #[inline(always)]
     fn shear(&self, corner: [f32; 3]) -> [f32; 3] {
         let along = |axis: usize| corner[axis] - self.origin[axis];
         let z = along(self.axes[2]);

@@ -1,6 +1,6 @@
 use crate::{AimedRays, Landmarks};
 use restpose_bake::verify::{Oracle, Rays};
-use restpose_runtime::{Affine, Asset, Frame, Hit, InstanceId, Ray, Scene};
+use restpose_runtime::{Affine, Asset, Frame, Hit, InstanceId, Posing, Ray, Scene};
 use std::sync::Arc;
 
 /// A scene and what it was made of, to be compared with brute force.
@@ -26,6 +26,7 @@ impl Stage {
     /// When the transform is not finite.
     pub fn add(&mut self, asset: &Arc<Asset>, transform: Affine, sample: usize) -> InstanceId {
         let instance = self.scene.add(asset);
+        self.scene.set_posing(instance, Posing::Recomputed).unwrap();
         self.scene.set_transform(instance, transform).unwrap();
         self.actors.push((instance, Arc::clone(asset), transform));
         let samples = asset.model().samples;

@@ -7,7 +7,7 @@ use restpose_bake::{
     verify::{Oracle, PoseSource, Rays, VerifyReport, VerifySettings, verify},
 };
 use restpose_formats::Bounds;
-use restpose_runtime::{Affine, Asset, Hit, Ray, Scene};
+use restpose_runtime::{Affine, Asset, Hit, Posing, Ray, Scene};
 use restpose_tests::{Recipe, baked_asset, baked_with, random_animation, source_scenes};
 use std::sync::Arc;
 
@@ -161,6 +161,8 @@ fn overlapping_instances_equal_brute_force() {
         let samples = asset.model().samples;
         let sample = samples[samples.len() / 2 + usize::from(index / 2)];
         scene.play(instance, sample.clip as usize, sample.seconds).unwrap();
+        let posings = [Posing::Recomputed, Posing::Remembered, Posing::Whole, Posing::Chosen];
+        scene.set_posing(instance, posings[index as usize % 4]).unwrap();
         instances.push(instance);
     }
     let frame = scene.commit();

@@ -6,7 +6,7 @@ use restpose_bake::{
     verify::Oracle,
 };
 use restpose_formats::rows::Interpolation;
-use restpose_runtime::{Affine, Asset, Frame, InstanceId, Ray, Scene};
+use restpose_runtime::{Affine, Asset, Frame, InstanceId, Posing, Ray, Scene};
 use restpose_tests::{Recipe, random_animation};
 use std::sync::Arc;
 
@@ -72,6 +72,7 @@ fn origins_that_overflow_in_local_space_lose_no_hit() {
     for (scale, distance) in [(1e-15f32, 1e25f32), (1e-10, 1e30), (1e-3, 1e36), (1.0, 1e38)] {
         let mut scene = Scene::new();
         let instance = scene.add(&asset);
+        scene.set_posing(instance, Posing::Recomputed).unwrap();
         let mut transform = Affine::IDENTITY;
         for k in 0..3 {
             transform.columns[k][k] = scale;
@@ -105,6 +106,7 @@ fn fuzzy_boxes_beyond_f32_lose_no_hit() {
     for seconds in [0.0, 1.0] {
         let mut scene = Scene::new();
         let instance = scene.add(&asset);
+        scene.set_posing(instance, Posing::Recomputed).unwrap();
         scene.play(instance, 0, seconds).unwrap();
         let ray = Ray::new([0.25 * size, 0.25 * size, 0.9999 * size], [0.0, 0.0, 1.0]);
         assert_hits(&scene.commit(), instance, &ray);
@@ -151,6 +153,7 @@ fn morphs_that_underflow_lose_no_hit() {
         let asset = baked(&animation);
         let mut scene = Scene::new();
         let instance = scene.add(&asset);
+        scene.set_posing(instance, Posing::Recomputed).unwrap();
         scene.play(instance, 0, 1.0).unwrap();
         let frame = scene.commit();
         let corners = frame.triangle(instance, 0).unwrap();

@@ -7,7 +7,7 @@ use restpose_bake::{
     verify::{Oracle, PoseSource, Poses, Rays},
 };
 use restpose_formats::Bounds;
-use restpose_runtime::{Affine, Scene};
+use restpose_runtime::{Affine, Posing, Scene};
 use restpose_tests::{Recipe, baked_with, random_animation};
 
 /// Soups, each with its bake and as many poses in its clips as far outside of them.
@@ -76,6 +76,7 @@ fn compare(seed: u64) -> Found {
         .map(|source| Poses::new(&animation, asset.model(), source, seed, POSES / 2));
     let mut scene = Scene::new();
     let instance = scene.add(&asset);
+    scene.set_posing(instance, Posing::Recomputed).unwrap();
     let mut found = Found::default();
     for index in 0..POSES {
         let of_clips = index % 2 == 0;

@@ -6,7 +6,7 @@ use restpose_bake::{
     verify::{VerifySettings, verify},
 };
 use restpose_formats::rows::{Interpolation, NONE};
-use restpose_runtime::Asset;
+use restpose_runtime::{Asset, Posing};
 use restpose_tests::sample_scenes;
 use std::sync::Arc;
 
@@ -85,6 +85,8 @@ fn its_clips_play_as_before() {
         let after = asked(&animation, MotionClass::Keyframed, name).unwrap();
         let mut scene = restpose_runtime::Scene::new();
         let (a, b) = (scene.add(&before), scene.add(&after));
+        scene.set_posing(a, Posing::Recomputed).unwrap();
+        scene.set_posing(b, Posing::Recomputed).unwrap();
         for (clip, row) in before.model().clips.iter().enumerate() {
             for step in 0..=20 {
                 let seconds = row.start_seconds + (row.end_seconds - row.start_seconds) * step as f32 / 20.0;

@@ -6,7 +6,7 @@ use restpose_bake::{
     verify::{DrawnPose, Oracle, PoseFamily, PoseSource, Poses, Rays},
 };
 use restpose_formats::Bounds;
-use restpose_runtime::{Asset, Frame, FrameStats, Hit, InstanceId, PoseError, Ray, Scene};
+use restpose_runtime::{Asset, Frame, FrameStats, Hit, InstanceId, PoseError, Posing, Ray, Scene};
 use restpose_tests::{baked_with, sample_scenes, source_scenes};
 use std::{path::Path, sync::Arc};
 
@@ -65,6 +65,7 @@ fn clips_never_leave_their_pose_space() {
             let mut random = fastrand::Rng::with_seed(3);
             let mut scene = Scene::new();
             let instance = scene.add(&asset);
+            scene.set_posing(instance, Posing::Recomputed).unwrap();
             for clip in 0..model.clips.len() {
                 let row = model.clips[clip];
                 for _ in 0..300 {
@@ -93,6 +94,8 @@ fn poses_outside_are_refused_where_the_caller_asks_for_it() {
     let model = asset.model();
     let mut scene = Scene::new();
     let (other, walker) = (scene.add(&asset), scene.add(&asset));
+    scene.set_posing(other, Posing::Recomputed).unwrap();
+    scene.set_posing(walker, Posing::Recomputed).unwrap();
     scene.play(walker, 0, 0.3).unwrap();
     scene.play(other, 0, 0.1).unwrap();
     let expected = traced(&scene.commit_inside().unwrap(), &[other, walker]);
@@ -181,6 +184,7 @@ fn poses_do_not_depend_on_the_poses_before_them() {
             .collect();
         let mut scene = Scene::new();
         let instance = scene.add(&asset);
+        scene.set_posing(instance, Posing::Recomputed).unwrap();
         let mut outside = 0;
         for pose in &poses {
             pose.set(&mut scene, instance).unwrap();

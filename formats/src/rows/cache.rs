@@ -165,7 +165,7 @@ impl KeyVertexRow {
     ///
     /// # Panics
     /// When the rows were never checked and the record lies outside of `words`.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn stored(&self, words: &[u32], key: u32) -> [f32; 3] {
         let bit = u64::from(key) * u64::from(self.record_bits());

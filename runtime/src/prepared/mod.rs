@@ -22,10 +22,12 @@ use crate::{
     cluster_frame::{Map64, PosedMap, posed_map},
     excess::Motions,
     posed_bounds::{cluster_bounds, morph_extent},
+    simd::SimdLevel,
     stats::Count,
     top_level::TopLevel,
     vertex::pose_vertex,
     vertex_memo::VertexMemo,
+    whole_pose::{pose_cached_vertices, pose_vertices},
 };
 use kept::Kept;
 use restpose_formats::{
@@ -231,12 +233,24 @@ impl Prepared {
         }
     }
 
-    /// Poses all vertices in world space.
+    /// Poses all vertices in world space, on all cores.
     pub(crate) fn pose_all(&self, asset: &Asset, out: &mut Vec<[f32; 3]>) {
         let model = asset.model();
-        out.clear();
-        let vertices = 0..model.vertices.len().saturating_sub(1) as u32;
-        out.extend(vertices.map(|vertex| self.recomputed_vertex(model, asset.cache_of_vertex(vertex), vertex)));
+        let (simd, weights) = (SimdLevel::detect(), &self.pose.morph_weights);
+        let count = model.vertices.len().saturating_sub(1);
+        out.resize(count, [0.0; 3]);
+        let ends = model.parts.iter().skip(1).map(|part| part.vertex_first as usize);
+        let mut rest = &mut out[..];
+        let mut first = 0;
+        for (part, end) in model.parts.iter().zip(ends.chain([count])) {
+            let (own, others) = rest.split_at_mut(end - first);
+            if part.cache == NONE {
+                pose_vertices(simd, model, &self.posed, weights, first, own);
+            } else {
+                pose_cached_vertices(simd, model, &self.caches[part.cache as usize], first, own);
+            }
+            (rest, first) = (others, end);
+        }
     }
 
     #[inline]

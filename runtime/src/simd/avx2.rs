@@ -118,6 +118,12 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn rotate4(self, a: __m128) -> __m128 {
+        // SAFETY: see above.
+        unsafe { _mm_shuffle_ps::<0b00_11_10_01>(a, a) }
+    }
+
+    #[inline(always)]
     fn add4(self, a: __m128, b: __m128) -> __m128 {
         // SAFETY: see above.
         unsafe { _mm_add_ps(a, b) }

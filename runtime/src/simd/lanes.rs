@@ -27,6 +27,8 @@ pub(crate) trait Lanes: Copy {
     fn load4(self, from: &[f32; 4]) -> Self::F4;
     fn store4(self, from: Self::F4) -> [f32; 4];
     fn splat4(self, x: f32) -> Self::F4;
+    /// Lanes 1, 2, 3, 0.
+    fn rotate4(self, a: Self::F4) -> Self::F4;
     fn add4(self, a: Self::F4, b: Self::F4) -> Self::F4;
     fn sub4(self, a: Self::F4, b: Self::F4) -> Self::F4;
     fn mul4(self, a: Self::F4, b: Self::F4) -> Self::F4;

@@ -86,6 +86,11 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn rotate4(self, [a, b, c, d]: [f32; 4]) -> [f32; 4] {
+        [b, c, d, a]
+    }
+
+    #[inline(always)]
     fn add4(self, a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
         std::array::from_fn(|k| a[k] + b[k])
     }

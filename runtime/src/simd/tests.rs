@@ -24,6 +24,7 @@ fn everything<S: Lanes>(simd: S, a: &[f32; 8], b: &[f32; 8]) -> Vec<u32> {
         simd.min4(x, z),
         simd.max4(x, z),
         simd.splat4(a[1]),
+        simd.rotate4(x),
     ];
     let mut out: Vec<f32> = max.iter().chain(&counted[..7]).copied().collect();
     for vector in wide {

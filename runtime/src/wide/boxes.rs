@@ -29,11 +29,8 @@ impl WideBoxes for WideNode {
     fn meet<S: Lanes>(&self, simd: S, ray: &WideRay, start: f32, limit: f32) -> (S::F8, u32) {
         let (mut enter, mut exit) = (simd.splat8(start), simd.splat8(limit));
         for k in 0..3 {
-            let (near, far) = if ray.forward[k] {
-                (&self.min[k], &self.max[k])
-            } else {
-                (&self.max[k], &self.min[k])
-            };
+            let near_row = ray.near_row[k] & 1;
+            let (near, far) = (&self.planes[near_row][k], &self.planes[1 - near_row][k]);
             let inverse = simd.splat8(ray.inverse_direction[k]);
             let near = simd.mul8(simd.sub8(simd.load8(near), simd.splat8(ray.near[k])), inverse);
             let far = simd.mul8(simd.sub8(simd.load8(far), simd.splat8(ray.far[k])), inverse);
@@ -43,7 +40,7 @@ impl WideBoxes for WideNode {
         let mut met = simd.le8(enter, exit);
         if ray.unbounded {
             for k in 0..3 {
-                met &= simd.le8(simd.load8(&self.min[k]), simd.load8(&self.max[k]));
+                met &= simd.le8(simd.load8(&self.planes[0][k]), simd.load8(&self.planes[1][k]));
             }
         }
         (enter, met)

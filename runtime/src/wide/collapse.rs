@@ -3,7 +3,7 @@ use crate::{
     Aabb,
     build::{Bvh, BvhContent},
 };
-use restpose_formats::rows::WideChild;
+use restpose_formats::rows::{NONE, WideChild};
 
 /// Part of a binary tree that is to stand in one place.
 #[derive(Clone, Copy)]
@@ -60,51 +60,56 @@ impl Part {
 ///
 /// Based on: Wald, Benthin and Boulos, *Getting Rid of Packets*, 2008, §3.1 (collapsing by surface area).
 pub(crate) fn collapse(bvh: &Bvh, boxes: &[Aabb], leaf: impl Fn(u32) -> u32, nodes: &mut Vec<WideNode>) -> u32 {
-    let root = nodes.len();
-    nodes.extend(bvh.nodes.first().map(|top| promised(top.content())));
-    if nodes.len() == root {
+    let root = nodes.len() as u32;
+    let Some(top) = bvh.nodes.first() else {
         nodes.push(WideNode::EMPTY);
-        return root as u32;
-    }
+        return root;
+    };
+    nodes.push(promised(top.content(), NONE));
     let mut next = root;
-    while next < nodes.len() {
-        let (parts, count) = open(promise(&nodes[next]), bvh, boxes);
+    while next != NONE {
+        let (content, before) = promise(&nodes[next as usize]);
+        let (parts, count) = open(content, bvh, boxes);
         let mut node = WideNode::EMPTY;
+        let mut latest = before;
         for (place, part) in parts[..count].iter().enumerate() {
             let child = match part.content {
                 BvhContent::Leaf { first, count: 1 } => WideChild::Leaf(leaf(bvh.references[first as usize])),
                 content => {
-                    nodes.push(promised(content));
-                    WideChild::Node((nodes.len() - 1) as u32)
+                    nodes.push(promised(content, latest));
+                    latest = (nodes.len() - 1) as u32;
+                    WideChild::Node(latest)
                 }
             };
             node.children[place] = child.pack();
             node.set_bounds(place, &part.bounds);
         }
-        nodes[next] = node;
-        next += 1;
+        nodes[next as usize] = node;
+        next = latest;
     }
-    root as u32
+    root
 }
 
-/// A node whose turn has not come: what it will hold stands where its children will, so that nothing else need be
-/// allocated.
-fn promised(content: BvhContent) -> WideNode {
+/// A node whose turn has not come. What it will hold, and the node whose turn is after it, stand where its children will
+/// be, so that nothing else need be allocated. Turns go depth first, which keeps near in memory what is near in space.
+fn promised(content: BvhContent, before: u32) -> WideNode {
     let mut node = WideNode::EMPTY;
-    (node.children[0], node.children[1]) = match content {
+    let (first, count) = match content {
         BvhContent::Inner { left } => (left, 0),
         BvhContent::Leaf { first, count } => (first, count),
     };
+    node.children[..3].copy_from_slice(&[first, count, before]);
     node
 }
 
-/// What a [`promised`] node will hold.
-fn promise(node: &WideNode) -> BvhContent {
-    let [first, count, ..] = node.children;
-    match count {
+/// What a [`promised`] node will hold, and whose turn is after it.
+fn promise(node: &WideNode) -> (BvhContent, u32) {
+    let [first, count, before, ..] = node.children;
+    let content = match count {
         0 => BvhContent::Inner { left: first },
         count => BvhContent::Leaf { first, count },
-    }
+    };
+    (content, before)
 }
 
 /// The parts of a node's eight places, and how many there are.

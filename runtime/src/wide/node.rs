@@ -8,10 +8,8 @@ use restpose_formats::rows::{WideChild, WideNodeRow};
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct WideNode {
-    /// Least corners: per axis, per child. No side is NaN.
-    pub min: [[f32; 8]; 3],
-    /// Greatest corners.
-    pub max: [[f32; 8]; 3],
+    /// Least corners, then greatest corners: per axis, per child. No side is NaN.
+    pub planes: [[[f32; 8]; 3]; 2],
     /// Packed [`WideChild`]ren. A node's index counts in the slice that holds the tree, and is above its parent's.
     pub children: [u32; 8],
 }
@@ -19,8 +17,7 @@ pub(crate) struct WideNode {
 impl WideNode {
     /// A node without children.
     pub(crate) const EMPTY: Self = Self {
-        min: [[f32::INFINITY; 8]; 3],
-        max: [[f32::NEG_INFINITY; 8]; 3],
+        planes: [[[f32::INFINITY; 8]; 3], [[f32::NEG_INFINITY; 8]; 3]],
         children: [WideChild::EMPTY; 8],
     };
 
@@ -28,16 +25,16 @@ impl WideNode {
     #[cfg(test)]
     pub(crate) fn bounds(&self, place: usize) -> Aabb {
         Aabb {
-            min: std::array::from_fn(|k| self.min[k][place]),
-            max: std::array::from_fn(|k| self.max[k][place]),
+            min: std::array::from_fn(|k| self.planes[0][k][place]),
+            max: std::array::from_fn(|k| self.planes[1][k][place]),
         }
     }
 
     #[inline]
     pub(crate) fn set_bounds(&mut self, place: usize, bounds: &Aabb) {
         for k in 0..3 {
-            self.min[k][place] = bounds.min[k];
-            self.max[k][place] = bounds.max[k];
+            self.planes[0][k][place] = bounds.min[k];
+            self.planes[1][k][place] = bounds.max[k];
         }
     }
 
@@ -52,8 +49,8 @@ impl WideNode {
         let less = |a: f32, b: f32| if a < b { a } else { b };
         let greater = |a: f32, b: f32| if a > b { a } else { b };
         Aabb {
-            min: std::array::from_fn(|k| fold(&self.min[k], less)),
-            max: std::array::from_fn(|k| fold(&self.max[k], greater)),
+            min: std::array::from_fn(|k| fold(&self.planes[0][k], less)),
+            max: std::array::from_fn(|k| fold(&self.planes[1][k], greater)),
         }
     }
 }

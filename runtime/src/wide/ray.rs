@@ -20,12 +20,12 @@ const ORIGIN_SLACK: f32 = (4.0 * UNIT_ROUNDOFF) as f32;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WideRay {
     /// Origin for the planes that the ray meets first.
-    pub near: [f32; 3],
+    pub near: [f32; 4],
     /// Origin for those that it meets last.
-    pub far: [f32; 3],
-    pub inverse_direction: [f32; 3],
-    /// Whether the ray runs with the axis.
-    pub forward: [bool; 3],
+    pub far: [f32; 4],
+    pub inverse_direction: [f32; 4],
+    /// Which planes the ray meets first: 0 for the least ones, 1 for the greatest.
+    pub near_row: [usize; 3],
     /// Some axis restricts nothing: not even empty boxes, which must be told apart then.
     pub unbounded: bool,
 }
@@ -33,19 +33,22 @@ pub(crate) struct WideRay {
 impl WideRay {
     #[inline]
     pub(crate) fn new(ray: &SlabRay) -> Self {
-        let mut out = Self {
-            near: [0.0; 3],
-            far: [0.0; 3],
-            inverse_direction: ray.inverse_direction,
-            forward: ray.inverse_direction.map(f32::is_sign_positive),
-            unbounded: false,
-        };
-        for k in 0..3 {
-            let outwards = ORIGIN_SLACK * ray.origin[k].abs() + ray.margin[k];
-            let (above, below) = (ray.origin[k] + outwards, ray.origin[k] - outwards);
-            (out.near[k], out.far[k]) = if out.forward[k] { (above, below) } else { (below, above) };
-            out.unbounded |= !(above.is_finite() && below.is_finite());
+        // Four lanes, so that a compiler makes one vector of them.
+        let pad = |v: [f32; 3]| [v[0], v[1], v[2], 0.0];
+        let (origin, margin, inverse) = (pad(ray.origin), pad(ray.margin), pad(ray.inverse_direction));
+        let outwards: [f32; 4] =
+            std::array::from_fn(|k| (ORIGIN_SLACK * origin[k].abs() + margin[k]).copysign(inverse[k]));
+        let near: [f32; 4] = std::array::from_fn(|k| origin[k] + outwards[k]);
+        let far: [f32; 4] = std::array::from_fn(|k| origin[k] - outwards[k]);
+        // A sum that overflows though no term does only costs the time to look for empty boxes.
+        let reach: [f32; 4] = std::array::from_fn(|k| near[k].abs() + far[k].abs());
+        let unbounded = !((reach[0] + reach[2]) + (reach[1] + reach[3])).is_finite();
+        Self {
+            near,
+            far,
+            inverse_direction: inverse,
+            near_row: std::array::from_fn(|k| usize::from(inverse[k].is_sign_negative())),
+            unbounded,
         }
-        out
     }
 }

@@ -57,8 +57,10 @@ fn random_ray(random: &mut Rng, boxes: &[Aabb], scale: f32) -> ([f32; 3], [f32; 
         0 => direction = std::array::from_fn(|k| (b.max[k] - origin[k]) / scale),
         1 => (origin, direction) = (a.min, std::array::from_fn(|k| (b.min[k] - a.min[k]) / scale)),
         2 => {
-            origin = std::array::from_fn(|k| if random.bool() { a.min[k] } else { origin[k] });
-            direction[random.usize(..3)] = [0.0, -0.0][random.usize(..2)];
+            let plane = random.usize(..3);
+            origin[plane] = a.min[plane];
+            direction = std::array::from_fn(|k| (a.center()[k] - origin[k]) / scale);
+            direction[plane] = [0.0, -0.0][random.usize(..2)];
         }
         3 => {
             origin = a.max;
@@ -159,6 +161,28 @@ fn every_leaf_that_the_ray_meets_is_visited_once_at_every_level() {
 }
 
 #[test]
+fn of_boxes_entered_at_once_the_first_is_visited_first() {
+    let mut node = WideNode::EMPTY;
+    for (place, start) in [5.0, 3.0, 5.0, 3.0, 4.0, 3.0].into_iter().enumerate() {
+        node.children[place] = WideChild::Leaf(place as u32).pack();
+        node.set_bounds(
+            place,
+            &Aabb {
+                min: [start, -1.0, -1.0],
+                max: [9.0, 1.0, 1.0],
+            },
+        );
+    }
+    let ray = WideRay::new(&SlabRay::in_world([0.0; 3], [1.0, 0.0, 0.0], &node.around()));
+    for level in [SimdLevel::Portable, SimdLevel::detect()] {
+        assert_eq!(
+            visits(level, &[node], &ray, (0.0, f32::INFINITY), None),
+            [1, 3, 5, 4, 0, 2]
+        );
+    }
+}
+
+#[test]
 fn margins_are_folded_in_outwards() {
     let mut random = Rng::with_seed(12);
     for round in 0..200_000 {
@@ -169,7 +193,7 @@ fn margins_are_folded_in_outwards() {
         let wide = WideRay::new(&slab);
         for k in 0..3 {
             let [o, m] = [slab.origin[k], slab.margin[k]].map(f64::from);
-            let [above, below] = if wide.forward[k] {
+            let [above, below] = if wide.near_row[k] == 0 {
                 [wide.near[k], wide.far[k]]
             } else {
                 [wide.far[k], wide.near[k]]

@@ -6,7 +6,7 @@ mod tight_file;
 
 use restpose_bake::verify::Oracle;
 use restpose_formats::{FormatError, Model, SectionKind, rows::LeverRow};
-use restpose_runtime::{Asset, Ray, Scene};
+use restpose_runtime::{Asset, Posing, Ray, Scene};
 use restpose_tests::escapes::Escaped;
 use tight_file::{ENDS, Range, STILL, Stretched, baked, opened, split_at, tight};
 
@@ -250,6 +250,7 @@ fn a_margin_left_out_loses_hits_that_brute_force_finds() {
         let asset = opened(model);
         let mut scene = Scene::new();
         let instance = scene.add(&asset);
+        scene.set_posing(instance, Posing::Recomputed).unwrap();
         scene
             .set_palette(instance, &pose.palette(model), &[pose.morph])
             .unwrap();

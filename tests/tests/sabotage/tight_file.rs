@@ -9,7 +9,7 @@ use restpose_formats::{
     geom::Aabb,
     rows::{BoneEnvelopeRow, Interpolation, KdNode, KdNodeRow, LeverRow, MorphEnvelopeRow, ReferenceBoxRow},
 };
-use restpose_runtime::{Affine, Asset, Scene};
+use restpose_runtime::{Affine, Asset, Posing, Scene};
 use restpose_tests::{
     Recipe,
     escapes::{Escape, escapes},
@@ -177,6 +177,7 @@ impl Stretched {
     pub fn excess(&self, model: &Model) -> [f64; 3] {
         let mut scene = Scene::new();
         let instance = scene.add(&opened(model));
+        scene.set_posing(instance, Posing::Recomputed).unwrap();
         scene
             .set_palette(instance, &self.palette(model), &[self.morph])
             .unwrap();

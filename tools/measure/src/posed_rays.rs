@@ -4,7 +4,7 @@ use crate::{
 use rayon::ThreadPool;
 use restpose_bake::verify::{Oracle, RayKind, Rays};
 use restpose_formats::rows::SampleRow;
-use restpose_runtime::{Asset, Frame, FrameStats, InstanceId, Scene};
+use restpose_runtime::{Asset, Frame, FrameStats, InstanceId, Posing, Scene};
 use std::sync::Arc;
 
 /// Which rays are traced in a pose, and how often.
@@ -49,6 +49,7 @@ impl PosedRays {
     ) -> Result<Self, MeasureError> {
         let mut scene = Scene::new();
         let instance = scene.add(asset);
+        scene.set_posing(instance, Posing::Remembered)?;
         pose(&mut scene, instance, sample)?;
         let frame = scene.commit();
 

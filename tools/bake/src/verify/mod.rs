@@ -27,7 +27,7 @@ use crate::{
 };
 use rayon::prelude::*;
 use restpose_formats::{Bounds, rows::NONE};
-use restpose_runtime::{Affine, Asset, Ray, Scene};
+use restpose_runtime::{Affine, Asset, Posing, Ray, Scene};
 use std::{borrow::Cow, sync::Arc};
 
 /// What to verify.
@@ -123,6 +123,8 @@ pub fn verify(
     };
     let mut scene = Scene::new();
     let instance = scene.add(asset);
+    let forced = scene.set_posing(instance, Posing::Recomputed);
+    debug_assert!(forced.is_ok());
 
     progress.stage("verify", settings.rays);
     for index in 0..count {

@@ -31,6 +31,7 @@ fn the_source_takes_given_maps() {
         let mut source = SourcePose::new(&animation, asset.model());
         let mut scene = Scene::new();
         let instance = scene.add(&asset);
+        scene.set_posing(instance, Posing::Recomputed).unwrap();
         for pose in drawn(&animation, &asset, PoseSource::Clips, 1, 6) {
             pose.set(&mut scene, instance).unwrap();
             let mut palette = scene.pose(instance).unwrap().palette;
@@ -63,6 +64,7 @@ fn vertices_of_random_poses_are_the_sources() {
         let mut source = SourcePose::new(&animation, asset.model());
         let mut scene = Scene::new();
         let instance = scene.add(&asset);
+        scene.set_posing(instance, Posing::Recomputed).unwrap();
         for pose in drawn(&animation, &asset, PoseSource::Random, 5, 44) {
             pose.set(&mut scene, instance).unwrap();
             let error = source.greatest_error(&scene.commit(), instance, &pose.bones, &pose.cache_frames);

@@ -12,7 +12,7 @@ use restpose_bake::{
     Progress,
     verify::{BonePose, Oracle, RayKind, Rays},
 };
-use restpose_runtime::{Frame, InstanceId, PoseError, Ray, Scene, TraceCounters};
+use restpose_runtime::{Frame, InstanceId, PoseError, Posing, Ray, Scene, TraceCounters};
 
 /// Kinds of rays.
 const RAY_KINDS: [&str; 2] = ["primary", "random"];
@@ -99,6 +99,7 @@ pub(super) fn contest(
         for candidate in candidates {
             let mut scene = Scene::new();
             let instance = scene.add(&candidate.asset);
+            scene.set_posing(instance, Posing::Remembered)?;
             stand(&mut scene, instance, pose)?;
             scenes.push((scene, instance));
         }

@@ -1,0 +1,164 @@
+use super::*;
+use crate::{cluster_frame::Map64, vertex::pose_vertex};
+use bytemuck::Zeroable;
+use fastrand::Rng;
+use restpose_formats::{
+    Model,
+    rows::{CacheRow, InfluenceRow, KeyRow, KeyVertexRow, MorphDeltaRow, PartRow, SegmentRow, TrackRow, VertexRow},
+};
+
+/// Ordinary numbers, zeros of both signs, and what overflows or underflows.
+fn number(random: &mut Rng) -> f32 {
+    match random.u32(..40) {
+        0 => 0.0,
+        1 => -0.0,
+        2 => 3e38,
+        3 => f32::from_bits(random.u32(..9)),
+        _ => (random.f32() - 0.5) * 100.0,
+    }
+}
+
+fn map(random: &mut Rng) -> Affine {
+    Affine {
+        columns: std::array::from_fn(|_| std::array::from_fn(|_| number(random))),
+    }
+}
+
+/// Bits; of NaN only that it is one.
+fn bits(p: [f32; 3]) -> [u32; 3] {
+    p.map(|x| if x.is_nan() { u32::MAX } else { x.to_bits() })
+}
+
+fn skinned_model(random: &mut Rng, vertices: usize) -> Model {
+    let mut model = Model::default();
+    let with_morphs = random.bool();
+    for _ in 0..vertices {
+        model.vertices.push(VertexRow {
+            position_rest: std::array::from_fn(|_| number(random)),
+            influence_first: model.influences.len() as u32,
+        });
+        for _ in 0..random.usize(1..7) {
+            let (bone, weight) = (random.u32(..5), random.f32());
+            model.influences.push(InfluenceRow { bone, weight });
+        }
+        if with_morphs {
+            model.morph_first.push(model.morph_deltas.len() as u32);
+            for _ in 0..random.usize(..3) {
+                let delta = std::array::from_fn(|_| number(random));
+                model.morph_deltas.push(MorphDeltaRow {
+                    target: random.u32(..3),
+                    delta,
+                });
+            }
+        }
+    }
+    model.vertices.push(VertexRow {
+        position_rest: [0.0; 3],
+        influence_first: model.influences.len() as u32,
+    });
+    if with_morphs {
+        model.morph_first.push(model.morph_deltas.len() as u32);
+    }
+    model
+}
+
+#[test]
+fn skinned_vertices_have_the_bits_of_the_vertex_function() {
+    let mut random = Rng::with_seed(21);
+    for round in 0..200 {
+        let vertices = if round == 0 { 3 * TASK + 17 } else { random.usize(1..60) };
+        let model = skinned_model(&mut random, vertices);
+        let model = model.view();
+        let palette: Vec<Affine> = (0..5).map(|_| map(&mut random)).collect();
+        let morph_weights: Vec<f32> = (0..3).map(|_| random.f32() - 0.5).collect();
+        let first = random.usize(..vertices);
+        for level in [SimdLevel::Portable, SimdLevel::detect()] {
+            let mut out = vec![[0.0; 3]; vertices - first];
+            pose_vertices(level, &model, &palette, &morph_weights, first, &mut out);
+            for (row, found) in (first as u32..).zip(out) {
+                let expected = pose_vertex(&model, &palette, &morph_weights, row);
+                assert_eq!(bits(found), bits(expected), "{level:?}, vertex {row} of {vertices}");
+            }
+        }
+    }
+}
+
+/// A part with one cache of four keys, some of its vertices stored raw.
+fn cached_model(random: &mut Rng, vertices: u32) -> Model {
+    let mut model = Model::default();
+    let mut part = PartRow::zeroed();
+    part.vertex_first = 2;
+    let keys = 4;
+    let mut cache = CacheRow::zeroed();
+    (cache.key_count, cache.segment_count) = (keys, 1);
+    let mut segment = SegmentRow::zeroed();
+    (segment.key_count, segment.track_count, segment.key_vertex_first) = (keys, 2, 1);
+    for track in 0..2 {
+        model.tracks.push(TrackRow {
+            key_first: keys * track,
+            origin: std::array::from_fn(|_| number(random)),
+            step: random.f32(),
+            reserved: [0; 3],
+        });
+        for _ in 0..keys {
+            let mut key = KeyRow::zeroed();
+            key.map = std::array::from_fn(|_| number(random));
+            model.keys.push(key);
+        }
+    }
+    model.key_vertices.push(KeyVertexRow::zeroed());
+    for _ in 0..vertices {
+        let mut row = KeyVertexRow::zeroed();
+        row.raw = u8::from(random.u32(..4) == 0);
+        row.track = random.u32(..2);
+        row.word_first = model.key_words.len() as u32;
+        if row.raw == 0 {
+            row.base = std::array::from_fn(|_| random.i32(-1000..1000));
+            row.widths = std::array::from_fn(|_| random.u8(..=KeyVertexRow::MAX_WIDTH));
+        }
+        for _ in 0..row.word_count(keys) {
+            let word = if row.raw == 0 {
+                random.u32(..)
+            } else {
+                number(random).to_bits()
+            };
+            model.key_words.push(word);
+        }
+        model.key_vertices.push(row);
+    }
+    model.key_words.extend([0; KeyVertexRow::CLOSING_WORDS]);
+    (model.parts, model.caches, model.segments) = (vec![part], vec![cache], vec![segment]);
+    model
+}
+
+#[test]
+fn cached_vertices_have_the_bits_of_their_function() {
+    let mut random = Rng::with_seed(22);
+    for round in 0..200 {
+        let vertices = if round == 0 {
+            TASK as u32 + 17
+        } else {
+            random.u32(1..60)
+        };
+        let model = cached_model(&mut random, vertices);
+        let model = model.view();
+        let mut cache = CacheState::default();
+        let mut out = [[0.0; 3]; 2];
+        pose_cached_vertices(SimdLevel::detect(), &model, &cache, 2, &mut out);
+        assert!(out.as_flattened().iter().all(|x| x.is_nan()), "it stands nowhere yet");
+        let world = [Map64::new(&map(&mut random)), Map64::new(&Affine::IDENTITY)];
+        cache.update(&model, &model.caches[0], random.f64() * 3.0, &world);
+        for level in [SimdLevel::Portable, SimdLevel::detect()] {
+            let first = random.u32(..vertices) + 2;
+            let mut out = vec![[0.0; 3]; (vertices + 2 - first) as usize];
+            pose_cached_vertices(level, &model, &cache, first as usize, &mut out);
+            for (row, found) in (first..).zip(out) {
+                assert_eq!(
+                    bits(found),
+                    bits(cache.pose_vertex(&model, row)),
+                    "{level:?}, vertex {row}"
+                );
+            }
+        }
+    }
+}
