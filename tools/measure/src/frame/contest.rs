@@ -231,6 +231,7 @@ impl<'a> Contest<'a> {
                 frames: times.total_us.len() as u64,
                 total_us: median(&mut times.total_us),
                 p99_us: quantile(&mut times.total_us, 0.99),
+                least_us: quantile(&mut times.total_us, 0.0),
                 update_us: median(&mut times.update_us),
                 wrong_per_million: wrong.map_or(0.0, |wrong| 1e6 * wrong[place][tracing as usize]),
                 counts,

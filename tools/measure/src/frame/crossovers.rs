@@ -94,6 +94,7 @@ mod tests {
             frames: 1,
             total_us: *total,
             p99_us: *total,
+            least_us: *total,
             update_us: 0.0,
             wrong_per_million: 0.0,
             counts: None,

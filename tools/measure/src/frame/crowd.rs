@@ -119,7 +119,9 @@ impl Crowd {
             match (given.get(index), self.clip()) {
                 (Some(pose), _) => {
                     scene.set_palette(*instance, &pose.palette, &pose.morph_weights)?;
-                    scene.set_cache_frames(*instance, &pose.cache_frames)?;
+                    if !pose.cache_frames.is_empty() {
+                        scene.set_cache_frames(*instance, &pose.cache_frames)?;
+                    }
                 }
                 (None, Some(clip)) => scene.play(*instance, clip, seconds[index])?,
                 (None, None) => scene.set_default_pose(*instance)?,

@@ -6,7 +6,7 @@ use super::{
     settings::FrameSettings,
 };
 use crate::{MeasureError, peak_memory::resident_bytes, statistics::median};
-use restpose_runtime::{Affine, Asset, Posing, Scene};
+use restpose_runtime::{Affine, Asset, Pose, PoseEvaluator, Posing, Scene};
 use serde::Serialize;
 use std::{io::Write, sync::Arc, time::Instant};
 
@@ -43,8 +43,8 @@ pub struct Glance {
     pub open_seconds_per_gib: f64,
     /// Palette, morph weights and frames of vertex caches of an instance.
     pub pose_bytes: u64,
-    /// Memory that a further instance takes beside these, posed and committed, no ray yet; null where the system does not
-    /// say.
+    /// Memory that a further instance takes beside these, its pose given and committed, no ray yet; null where the system
+    /// does not say.
     pub bytes_per_instance: Option<f64>,
 }
 
@@ -100,11 +100,15 @@ fn open_seconds(file: &File) -> Result<f64, MeasureError> {
     Ok(median(&mut times))
 }
 
-/// Memory of an instance, pose included: the slope between half of the instances and all, of as many as it takes to see it.
+/// Memory of an instance whose pose is given, pose included: the slope between half of the instances and all, of as many as it
+/// takes to see it.
 fn bytes_per_instance(asset: &Arc<Asset>, posing: Posing) -> Result<Option<f64>, MeasureError> {
     let Some(before) = resident_bytes() else {
         return Ok(None);
     };
+    let (mut pose, model) = (Pose::default(), asset.model());
+    let clip = (!model.clips.is_empty()).then_some(0);
+    PoseEvaluator::default().evaluate(model, clip, 0.0, &mut pose);
     let mut scene = Scene::new();
     let (mut count, mut half) = (0usize, (0usize, before));
     while let Some(now) = resident_bytes() {
@@ -115,6 +119,7 @@ fn bytes_per_instance(asset: &Arc<Asset>, posing: Posing) -> Result<Option<f64>,
         for _ in 0..count.max(16) {
             let instance = scene.add(asset);
             scene.set_posing(instance, posing)?;
+            scene.set_palette(instance, &pose.palette, &pose.morph_weights)?;
             count += 1;
         }
         scene.commit();

@@ -48,6 +48,8 @@ pub struct FrameCost {
     pub total_us: f64,
     /// The same: 99th percentile.
     pub p99_us: f64,
+    /// The same: least, which a busy machine disturbs less.
+    pub least_us: f64,
     /// Microseconds before the first ray: median.
     pub update_us: f64,
     /// Wrong hits per million rays, of those that were compared; 0 for the runtime.

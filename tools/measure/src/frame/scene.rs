@@ -17,7 +17,7 @@ pub struct FrameScene {
 }
 
 enum Source {
-    Animation(Box<Animation>, BakeSettings),
+    Animation(Box<(Animation, BakeSettings)>),
     Baked(Arc<File>),
 }
 
@@ -45,7 +45,7 @@ impl FrameScene {
         Ok(Self {
             name: animation.source_name.clone(),
             instances,
-            source: Source::Animation(Box::new(subdivide(animation, subdivisions)), settings),
+            source: Source::Animation(Box::new((subdivide(animation, subdivisions), settings))),
             files: Vec::new(),
         })
     }
@@ -73,7 +73,7 @@ impl FrameScene {
     pub(super) fn file(&mut self, change: Option<fn(&mut BakeSettings)>) -> Result<Option<Arc<File>>, MeasureError> {
         let (animation, settings) = match &self.source {
             Source::Baked(file) => return Ok(change.is_none().then(|| Arc::clone(file))),
-            Source::Animation(animation, settings) => (animation, settings),
+            Source::Animation(source) => &**source,
         };
         let mut settings = settings.clone();
         if let Some(change) = change {
