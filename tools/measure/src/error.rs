@@ -77,6 +77,45 @@ pub enum MeasureError {
         /// All there are.
         known: String,
     },
+    /// There is no such strategy.
+    #[error("no strategy {name:?}; known: {known}")]
+    UnknownStrategy {
+        /// Name given.
+        name: String,
+        /// All there are.
+        known: String,
+    },
+    /// There is nothing to compare hits with.
+    #[error("no strategy of restpose takes part in {scene}; choose one that its file can be used with")]
+    NoStrategy {
+        /// Scene.
+        scene: String,
+    },
+    /// A contestant's hits are not those of the reference, so its times mean nothing.
+    #[error(
+        "{scene}, pose {pose}, {rays} rays: {wrong} of {count} hits of {strategy} are wrong, more than can be rounding; \
+         please report this or leave it out"
+    )]
+    WrongFrame {
+        /// Scene.
+        scene: String,
+        /// Strategy.
+        strategy: &'static str,
+        /// Number of the pose.
+        pose: usize,
+        /// Kind of the rays.
+        rays: &'static str,
+        /// Rays whose hit is wrong.
+        wrong: usize,
+        /// Rays.
+        count: usize,
+    },
+    /// A file could not be written or mapped to time its opening.
+    #[error("the file cannot be opened anew: {fault}")]
+    Reopen {
+        /// What happened.
+        fault: String,
+    },
     /// A builder that follows an animation stands alone.
     #[error("builder {name:?} is compared from frame to frame with another of {kind} trees; choose one of these, too")]
     NoReference {
@@ -135,6 +174,15 @@ pub enum MeasureError {
 }
 
 impl MeasureError {
+    /// A peer's failure.
+    #[cfg(feature = "peers")]
+    pub(crate) fn peer(peer: &'static str, fault: impl Into<String>) -> Self {
+        Self::Peer {
+            peer,
+            fault: fault.into(),
+        }
+    }
+
     /// Refuses a setting that is not in `from..=to`.
     pub(crate) fn check_setting(
         name: &'static str,

@@ -3,6 +3,8 @@
 pub mod builders;
 mod checked_rays;
 mod clock;
+#[cfg(feature = "peers")]
+mod embree;
 mod error;
 pub mod frame;
 pub mod motion;
@@ -18,6 +20,7 @@ mod spread;
 mod static_twin;
 mod statistics;
 mod subdivision_limit;
+pub mod tessellations;
 mod text_row;
 mod thread_pools;
 mod view;

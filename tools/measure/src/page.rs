@@ -1,11 +1,16 @@
 //! What all pages have in common.
 
-use crate::plot::escape;
+use crate::{TextRow, plot::escape};
 
 /// Of fuzzy trees. Colours that remain apart for colour-blind eyes (Okabe and Ito).
 pub(crate) const OURS: &str = "#0072b2";
 /// Of what they are compared with.
 pub(crate) const STATIC: &str = "#d55e00";
+
+/// Of lines beside each other; after the last one they begin again.
+pub(crate) const COLOURS: [&str; 7] = [
+    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000",
+];
 
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;color:#222}\
 h1{font-size:1.4rem}table{border-collapse:collapse;font-variant-numeric:tabular-nums}\
@@ -36,4 +41,17 @@ pub(crate) fn table<'a>(titles: &[&str], rows: impl IntoIterator<Item = Vec<Stri
     };
     let rows: String = rows.into_iter().map(row).collect();
     format!("<div class=\"wide\"><table>\n<tr>{head}</tr>\n{rows}</table></div>\n")
+}
+
+/// A heading, what the columns are, and a table; nothing without rows.
+pub(crate) fn section<const N: usize, R: TextRow<N>>(rows: &[R]) -> String {
+    if rows.is_empty() {
+        return String::new();
+    }
+    format!(
+        "<h2>{}</h2>\n<p>{}.</p>\n{}",
+        escape(R::TITLE),
+        escape(R::LEGEND),
+        table(&R::COLUMNS, rows.iter().map(|row| row.cells().to_vec()))
+    )
 }

@@ -3,6 +3,11 @@ pub(crate) fn peak_memory_bytes() -> Option<u64> {
     bytes_of("VmHWM:", &std::fs::read_to_string("/proc/self/status").ok()?)
 }
 
+/// Memory that this process holds now, bytes, where the system says it (Linux).
+pub(crate) fn resident_bytes() -> Option<u64> {
+    bytes_of("VmRSS:", &std::fs::read_to_string("/proc/self/status").ok()?)
+}
+
 /// What `work` gives, and how much more memory than before the process held meanwhile at most, bytes, where the system says
 /// it (Linux).
 ///

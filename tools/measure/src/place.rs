@@ -22,6 +22,14 @@ pub enum Place {
         /// Kind of the rays.
         rays: &'static str,
     },
+    /// A pose of a crowd.
+    #[error("pose {pose}, {rays} rays")]
+    Crowd {
+        /// Number of the pose.
+        pose: usize,
+        /// Kind of the rays.
+        rays: &'static str,
+    },
     /// A time of the clip.
     #[error("at {seconds} s")]
     Time {

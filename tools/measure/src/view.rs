@@ -83,18 +83,38 @@ impl View {
         }
     }
 
+    /// The middle of the picture, `factor` times as large.
+    pub(crate) fn magnified(self, factor: f64) -> Self {
+        let [right, up, forward] = self.axes;
+        Self {
+            axes: [right.map(|x| x / factor), up.map(|x| x / factor), forward],
+            ..self
+        }
+    }
+
     /// A ray through the middle of each pixel of a picture of `side` × `side`, rows from the top.
     pub(crate) fn rays(&self, side: u32) -> Vec<Ray> {
+        (0..side)
+            .flat_map(|row| (0..side).map(move |column| self.ray(side, row, column)))
+            .collect()
+    }
+
+    /// The same rays in tiles of `tile` × `tile` pixels, tiles and pixels by rows from the top; `side` is a multiple.
+    pub(crate) fn tiled_rays(&self, side: u32, tile: u32) -> Vec<Ray> {
+        let tiles = side / tile;
+        let pixels = (0..tiles * tiles).flat_map(|at| {
+            let (row, column) = (at / tiles * tile, at % tiles * tile);
+            (0..tile * tile).map(move |pixel| (row + pixel / tile, column + pixel % tile))
+        });
+        pixels.map(|(row, column)| self.ray(side, row, column)).collect()
+    }
+
+    fn ray(&self, side: u32, row: u32, column: u32) -> Ray {
         let [right, up, forward] = self.axes;
         let place = |pixel: u32| (2.0 * f64::from(pixel) + 1.0) / f64::from(side) - 1.0;
-        let ray = |row: u32, column: u32| {
-            let (x, y) = (place(column), -place(row));
-            let direction: [f64; 3] = std::array::from_fn(|k| forward[k] + x * right[k] + y * up[k]);
-            Ray::new(self.eye.map(|x| x as f32), direction.map(|x| x as f32))
-        };
-        (0..side)
-            .flat_map(|row| (0..side).map(move |column| ray(row, column)))
-            .collect()
+        let (x, y) = (place(column), -place(row));
+        let direction: [f64; 3] = std::array::from_fn(|k| forward[k] + x * right[k] + y * up[k]);
+        Ray::new(self.eye.map(|x| x as f32), direction.map(|x| x as f32))
     }
 }
 
@@ -167,6 +187,24 @@ mod tests {
         }
         assert_eq!(touched, 1);
         assert_eq!(View::filled_by(&[[1.0; 3]]).rays(1).len(), 1, "a point");
+    }
+
+    #[test]
+    fn tiles_hold_the_same_rays() {
+        let view = View::of(&Aabb {
+            min: [-1.0; 3],
+            max: [1.0; 3],
+        });
+        let (rows, tiles) = (view.rays(6), view.tiled_rays(6, 2));
+        assert_eq!(tiles.len(), 36);
+        assert_eq!(tiles[..6], [rows[0], rows[1], rows[6], rows[7], rows[2], rows[3]]);
+        assert_eq!(tiles[35], rows[35]);
+        let near = view.magnified(3.0).rays(2);
+        assert!((0..3).all(|k| near[0].origin[k] == rows[0].origin[k]));
+        let across = |rays: &[Ray], a: usize, b: usize| rays[a].direction[0] - rays[b].direction[0];
+        // Middles of pixels are half a picture apart in one, five sixths in the other.
+        let ratio = across(&near, 0, 1) / across(&rows, 0, 5) * (5.0 / 3.0);
+        assert!((ratio - 1.0 / 3.0).abs() < 1e-5, "{ratio}");
     }
 
     #[test]

@@ -1,5 +1,5 @@
 use super::{
-    BuildersArgs,
+    BuildersArgs, FrameArgs,
     keyframed::{KeptFramesArgs, KeyframedArgs},
     values::{self, ClassOverride},
 };
@@ -17,9 +17,12 @@ pub struct MeasureArgs {
 /// What to measure.
 #[derive(Debug, Subcommand)]
 pub enum MeasureTable {
-    /// Frame updates and rays against the number of triangles, beside a static tree built anew for each frame
+    /// Whole frames against their number of rays, every strategy
     #[command(after_help = ExitCode::table())]
     Frame(FrameArgs),
+    /// Frame updates and rays against the number of triangles, beside a static tree built anew for each frame
+    #[command(after_help = ExitCode::table())]
+    Tessellations(TessellationsArgs),
     /// A keyframed animation's clusters, and its rays beside a kd-tree rebuilt for every frame
     #[command(after_help = ExitCode::table())]
     Motion(MotionArgs),
@@ -31,12 +34,12 @@ pub enum MeasureTable {
     Builders(BuildersArgs),
 }
 
-/// Options of `measure frame`.
+/// Options of `measure tessellations`.
 #[derive(Debug, Args)]
-pub struct FrameArgs {
+pub struct TessellationsArgs {
     /// glTF 2.0 file (.gltf or .glb)
     pub source: PathBuf,
-    /// Folder for frame.html (table and plots) and frame.json; made if missing [default: no files]
+    /// Folder for tessellations.html (table and plots) and tessellations.json; made if missing [default: no files]
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
     /// Measure the mesh subdivided 0 to MAX times, MAX from 0 to 5; each time has four times the triangles

@@ -1,6 +1,6 @@
-use super::Context;
+use super::{Context, measure_frame};
 use crate::{
-    args::{BuildersArgs, FrameArgs, MeasureArgs, MeasureTable, MotionArgs, PosesArgs},
+    args::{BuildersArgs, MeasureArgs, MeasureTable, MotionArgs, PosesArgs, TessellationsArgs},
     exit_code::ExitCode,
     failure::Failure,
     input_file,
@@ -14,9 +14,9 @@ use restpose_bake::{BakeSettings, import::import};
 use restpose_measure::{
     MeasureError, TextRow,
     builders::{self, BuilderScene, BuildersReport, BuildersSettings, measure_builders},
-    frame::{self, FrameReport, FrameSettings, measure_frame},
     motion::{self, MotionReport, MotionSettings, measure_motion},
     poses::{self, PosesReport, PosesSettings, measure_poses},
+    tessellations::{self, TessellationsReport, TessellationsSettings, measure_tessellations},
 };
 use serde::Serialize;
 use std::{
@@ -35,30 +35,31 @@ struct Report<'a, M> {
 /// Measures one table.
 pub fn run(args: &MeasureArgs, context: &Context) -> Result<Answer, Failure> {
     match &args.table {
-        MeasureTable::Frame(args) => frame(args, context),
+        MeasureTable::Frame(args) => measure_frame::run(args, context),
+        MeasureTable::Tessellations(args) => tessellations(args, context),
         MeasureTable::Motion(args) => motion(args, context),
         MeasureTable::Poses(args) => poses(args, context),
         MeasureTable::Builders(args) => builders(args, context),
     }
 }
 
-fn frame(args: &FrameArgs, context: &Context) -> Result<Answer, Failure> {
+fn tessellations(args: &TessellationsArgs, context: &Context) -> Result<Answer, Failure> {
     input_file::check(&args.source)?;
     let folder = args.output.as_deref().map(OutputFolder::prepare).transpose()?;
     context.reporter.stage("import", 0);
     let source = import(&args.source).map_err(|error| Failure::import(&args.source, error))?;
-    let mut settings = FrameSettings {
+    let mut settings = TessellationsSettings {
         subdivide_max: args.subdivide,
         frames: usize::from(args.frames),
-        ..FrameSettings::default()
+        ..TessellationsSettings::default()
     };
     if !args.thread_counts.is_empty() {
         settings.threads = args.thread_counts.iter().copied().map(NonZeroUsize::get).collect();
     }
-    let measured =
-        measure_frame(&source.animation, &settings, &context.reporter).map_err(|error| failure(&args.source, error))?;
-    let files = write("frame", &measured, &frame::page(&measured), folder)?;
-    answer(&measured, frame_lines(&measured), &files, context)
+    let measured = measure_tessellations(&source.animation, &settings, &context.reporter)
+        .map_err(|error| failure(&args.source, error))?;
+    let files = write("tessellations", &measured, &tessellations::page(&measured), folder)?;
+    answer(&measured, tessellations_lines(&measured), &files, context)
 }
 
 fn motion(args: &MotionArgs, context: &Context) -> Result<Answer, Failure> {
@@ -178,7 +179,7 @@ fn builders(args: &BuildersArgs, context: &Context) -> Result<Answer, Failure> {
     answer(&measured, builders_lines(&measured), &files, context)
 }
 
-fn answer(
+pub(super) fn answer(
     measured: &impl Serialize,
     mut lines: Vec<String>,
     files: &[PathBuf],
@@ -194,7 +195,7 @@ fn answer(
 }
 
 /// Writes the page and the report, under this name, into the folder if there is one.
-fn write(
+pub(super) fn write(
     name: &str,
     measured: &impl Serialize,
     page: &str,
@@ -214,26 +215,30 @@ fn write(
     folder.publish()
 }
 
-fn failure(source: &Path, error: MeasureError) -> Failure {
+pub(super) fn failure(source: &Path, error: MeasureError) -> Failure {
     let code = match &error {
         MeasureError::Bake(error) => return Failure::bake(source, error),
         MeasureError::Setting { .. }
         | MeasureError::TooManyTriangles { .. }
         | MeasureError::UnknownBuilder { .. }
+        | MeasureError::UnknownStrategy { .. }
+        | MeasureError::NoStrategy { .. }
         | MeasureError::NoReference { .. } => ExitCode::CommandLine,
         MeasureError::NoClip { .. } | MeasureError::Boxes { .. } => ExitCode::InvalidInput,
-        MeasureError::WrongHit(_) | MeasureError::WrongTreeHit(_) => ExitCode::VerificationFailed,
+        MeasureError::WrongHit(_) | MeasureError::WrongTreeHit(_) | MeasureError::WrongFrame { .. } => {
+            ExitCode::VerificationFailed
+        }
         _ => ExitCode::Internal,
     };
     Failure::at(code, source, format!("{}: {error}", source.display()))
 }
 
-fn frame_lines(measured: &FrameReport) -> Vec<String> {
-    let mut table = Table::new(frame::COLUMNS);
+fn tessellations_lines(measured: &TessellationsReport) -> Vec<String> {
+    let mut table = Table::new(tessellations::COLUMNS);
     for row in &measured.rows {
         table.add(row.cells());
     }
-    vec![table.to_string(), String::new(), frame::LEGEND.to_owned()]
+    vec![table.to_string(), String::new(), tessellations::LEGEND.to_owned()]
 }
 
 fn motion_lines(measured: &MotionReport) -> Vec<String> {
@@ -267,7 +272,7 @@ fn builders_lines(measured: &BuildersReport) -> Vec<String> {
     .concat()
 }
 
-fn rows_lines<const N: usize, R: TextRow<N>>(rows: &[R]) -> Vec<String> {
+pub(super) fn rows_lines<const N: usize, R: TextRow<N>>(rows: &[R]) -> Vec<String> {
     if rows.is_empty() {
         return Vec::new();
     }

@@ -6,6 +6,7 @@ mod cache_lines;
 pub mod demo;
 pub mod info;
 pub mod measure;
+mod measure_frame;
 pub mod render;
 pub mod validate;
 pub mod verify;

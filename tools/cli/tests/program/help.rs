@@ -8,7 +8,8 @@ fn help_is_a_result_and_lists_the_exit_codes() {
     let pages = COMMANDS
         .iter()
         .flat_map(|command| [vec![*command, "--help"], vec!["help", *command]]);
-    let tables = ["frame", "motion", "poses", "builders"].map(|table| vec!["measure", table, "--help"]);
+    let tables =
+        ["frame", "tessellations", "motion", "poses", "builders"].map(|table| vec!["measure", table, "--help"]);
     for arguments in pages.chain(tables).chain([vec!["--help"], vec!["-h"], vec!["help"]]) {
         let run = restpose(folder.path(), &arguments).succeeded();
         assert_eq!(run.stderr, "", "{arguments:?}");

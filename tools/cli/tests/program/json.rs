@@ -120,11 +120,38 @@ fn verify_prints_its_keys_and_the_failures() {
 #[test]
 fn measure_frame_prints_its_keys() {
     let folder = folder();
-    door(folder.path());
-    let least = ["--subdivide", "0", "--frames", "1", "--thread-counts", "1", "-o", "out"];
-    let measure = [&["measure", "frame", "door.gltf"], &least[..]].concat();
+    let scene = sample("walker.glb").display().to_string();
+    let least = [
+        "--rays",
+        "1,2000",
+        "--ray-kinds",
+        "random,close-up",
+        "--poses",
+        "1",
+        "--seconds",
+        "0",
+        "--thread-counts",
+        "1",
+        "--instances",
+        "2",
+        "-o",
+        "out",
+    ];
+    let measure = [&["measure", "frame", scene.as_str(), scene.as_str()], &least[..]].concat();
     agree("measure frame", folder.path(), &[&measure]);
     for name in ["frame.html", "frame.json"] {
+        assert!(folder.path().join("out").join(name).is_file(), "{name}");
+    }
+}
+
+#[test]
+fn measure_tessellations_prints_its_keys() {
+    let folder = folder();
+    door(folder.path());
+    let least = ["--subdivide", "0", "--frames", "1", "--thread-counts", "1", "-o", "out"];
+    let measure = [&["measure", "tessellations", "door.gltf"], &least[..]].concat();
+    agree("measure tessellations", folder.path(), &[&measure]);
+    for name in ["tessellations.html", "tessellations.json"] {
         assert!(folder.path().join("out").join(name).is_file(), "{name}");
     }
 }

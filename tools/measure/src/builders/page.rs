@@ -1,14 +1,8 @@
 use super::{BuildFigures, BuildersReport};
 use crate::{
-    TextRow,
-    page::{document, table},
-    plot::{Plot, Scale, Series, escape},
+    page::{COLOURS, document, section},
+    plot::{Plot, Scale, Series},
 };
-
-/// Colours that remain apart for colour-blind eyes (Okabe and Ito); after the last one they begin again.
-const COLOURS: [&str; 7] = [
-    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000",
-];
 
 /// The report as one HTML page without scripts: its tables, and plots.
 #[must_use]
@@ -29,18 +23,6 @@ pub fn page(report: &BuildersReport) -> String {
     body += &section(&report.builds);
     body += &section(&report.theirs);
     document("Tree builders", &body)
-}
-
-fn section<const N: usize, R: TextRow<N>>(rows: &[R]) -> String {
-    if rows.is_empty() {
-        return String::new();
-    }
-    format!(
-        "<h2>{}</h2>\n<p>{}.</p>\n{}",
-        escape(R::TITLE),
-        escape(R::LEGEND),
-        table(&R::COLUMNS, rows.iter().map(|row| row.cells().to_vec()))
-    )
 }
 
 fn plots(report: &BuildersReport) -> Vec<Plot> {

@@ -1,83 +1,83 @@
-//! What a frame costs against the number of triangles: the update, and rays by fuzzy trees beside rays by a static
-//! tree built afresh.
+//! What a whole frame costs against its number of rays: set pose, update, trace.
 //!
-//! Based on: Günther, *Ray Tracing of Dynamic Scenes*, Table 3.2 (steps, intersections and frame rate relative to a
-//! static kd-tree of each frame). Differs: one mesh at several tessellations, single rays, hits and misses together.
+//! Contestants get the same poses and the same rays, and take turns. A turn is a frame of every pose, one after the other,
+//! so that each is as warm as it is in a program that does nothing else. Before that all hits are compared: those of the
+//! runtime's strategies with each other bit for bit and, for a subset, with brute force; those of peers, whose triangle tests
+//! round otherwise, by distance.
 
-mod baked_level;
-mod frame_sums;
+mod contest;
+mod contestant;
+mod contestants;
+mod crossovers;
+mod crowd;
+mod glance;
+mod ours;
 mod page;
+#[cfg(feature = "peers")]
+mod peers;
+mod ray_sets;
+mod reference;
 mod report;
+mod scene;
 mod settings;
+mod text;
 
+pub use contestants::strategy_names;
+pub use crossovers::Crossover;
+pub use glance::Glance;
 pub use page::page;
-pub use report::{COLUMNS, FrameReport, FrameRow, LEGEND};
-pub use settings::FrameSettings;
+pub use ray_sets::RayKind;
+pub use report::{FixedCost, FrameCost, FrameCounts, FrameReport};
+pub use scene::FrameScene;
+pub use settings::{FrameSettings, Palettes};
 
-use crate::{
-    MeasureError, Place,
-    posed_rays::{Camera, PosedRays, RaySettings},
-    spread::spread,
-    thread_pools::thread_pools,
-    view::View,
-};
-use baked_level::BakedLevel;
-use frame_sums::FrameSums;
-use restpose_bake::{Progress, import::Animation};
-use restpose_formats::rows::SampleRow;
+use crate::{MeasureError, thread_pools::thread_pools};
+use contest::Contest;
+use crossovers::crossovers;
+use crowd::Crowd;
+use reference::Reference;
+use restpose_bake::Progress;
+use std::sync::Arc;
 
-/// Bakes the animation at several tessellations and measures frame updates and rays on several numbers of threads.
+/// Measures frames of a scene.
 ///
-/// Before rays are timed their hits are compared: with the static tree's for all rays, with brute force for a subset,
-/// bit for bit. Fuzzy and static trees take turns.
-///
-/// Guarantee: all numbers but times are the same in every run with the same settings.
+/// Guarantee: all numbers but times and memory are the same in every run with the same settings.
 ///
 /// # Errors
-/// [`MeasureError`]: settings out of range, a source that does not bake, or results that disagree.
+/// [`MeasureError`]: settings out of range, a source that does not bake, or hits that disagree.
 pub fn measure_frame(
-    animation: &Animation,
+    scene: &mut FrameScene,
     settings: &FrameSettings,
     progress: &dyn Progress,
 ) -> Result<FrameReport, MeasureError> {
-    settings.check(animation)?;
+    settings.check()?;
     let pools = thread_pools(&settings.threads)?;
-    let weight = |subdivisions: u32| 1u64 << (2 * subdivisions);
-    let total: u64 = (0..=settings.subdivide_max).map(weight).sum();
-    progress.stage("measure", total * (settings.frames as u64 + 1));
-    let mut rows = Vec::new();
-    let mut cameras = Vec::new();
-    for subdivisions in 0..=settings.subdivide_max {
-        let baked = BakedLevel::new(animation, subdivisions, &pools)?;
-        progress.advance(weight(subdivisions));
-        let all = baked.asset.model().samples;
-        let samples = spread(settings.frames, all.len());
-        if cameras.is_empty() {
-            let poses: Vec<SampleRow> = samples.iter().map(|sample| all[*sample]).collect();
-            cameras.push(Camera::Fixed(View::of_poses(&baked.asset, &poses)?));
-        }
-        let rays = RaySettings {
-            cameras: &cameras,
-            picture_side: settings.picture_side,
-            random_rays: settings.random_rays,
-            repeats: settings.repeats,
-            seed: settings.seed,
-            pools: &pools,
-        };
-        let mut sums = FrameSums::default();
-        for sample in samples {
-            let place = Place::Sample { subdivisions, sample };
-            sums.add(&PosedRays::measure(&baked.asset, &all[sample], place, &rays)?);
-            progress.advance(weight(subdivisions));
-        }
-        for (index, pool) in pools.iter().enumerate() {
-            rows.push(sums.row(&baked, index, pool, settings)?);
-        }
+    // Before anything else has taken memory and given it back.
+    let glances = glance::glances(scene, settings)?;
+    let Some(file) = scene.file(None)?.filter(|_| !glances.is_empty()) else {
+        return Err(MeasureError::NoStrategy {
+            scene: scene.name.clone(),
+        });
+    };
+    let crowd = Arc::new(Crowd::new(
+        &file.asset,
+        scene.instances,
+        settings.poses,
+        settings.palettes,
+    )?);
+    let reference = Reference::new(&crowd, settings)?;
+    let mut contest = Contest::new(scene, &crowd, &reference, settings);
+    progress.stage("measure", contest.steps(pools.len()));
+    for pool in &pools {
+        contest.run(scene, pool, progress)?;
     }
+    let frames = contest.rows;
     Ok(FrameReport {
-        schema: "restpose.measure.frame.1",
-        source: animation.source_name.clone(),
+        schema: "restpose.measure.frame.2",
         settings: settings.clone(),
-        rows,
+        crossovers: crossovers(&frames),
+        frames,
+        glances,
+        brute_force_rays: reference.brute_force_rays,
     })
 }

@@ -1,73 +1,66 @@
-use super::{COLUMNS, FrameReport, FrameRow, LEGEND};
+use super::{FrameCost, FrameReport};
 use crate::{
-    page::{OURS, STATIC, document, table},
-    plot::{Plot, Scale, Series, escape},
+    page::{COLOURS, document, section},
+    plot::{Plot, Scale, Series},
 };
 
-/// The report as one HTML page without scripts: its rows, and plots against the number of triangles.
+/// The report as one HTML page without scripts: plots, then its tables.
 #[must_use]
 pub fn page(report: &FrameReport) -> String {
-    let settings = &report.settings;
     let mut body = format!(
-        "<p>{LEGEND}.</p>\n<p>{frames} frames, {side} × {side} camera rays and {random} random rays each, medians of \
-         {repeats}; {updates} updates.</p>\n",
-        frames = settings.frames,
-        side = settings.picture_side,
-        random = settings.random_rays,
-        repeats = settings.repeats,
-        updates = settings.updates,
+        "<p>A frame is set pose, update and trace. {poses} poses, at least a frame of each, no more after {seconds} s. All \
+         contestants get the same rays; their hits were compared, and {checked} rays with brute force.</p>\n\
+         <div class=\"plots\">\n",
+        poses = report.settings.poses,
+        seconds = report.settings.seconds,
+        checked = report.brute_force_rays,
     );
-    body += &table(&COLUMNS, report.rows.iter().map(|row| row.cells().to_vec()));
-    let plots: String = plots(report).iter().map(Plot::svg).collect();
-    body += &format!("<div class=\"plots\">\n{plots}</div>\n");
-    document(&format!("Cost of a frame: {}", escape(&report.source)), &body)
+    body += &plots(report).iter().map(Plot::svg).collect::<String>();
+    body += "</div>\n";
+    body += &section(&report.fixed_costs());
+    body += &section(&report.glances);
+    body += &section(&report.crossovers);
+    body += &section(&report.frames);
+    document("Cost of a frame", &body)
 }
 
+/// A plot per scene, kind of rays and number of threads.
 fn plots(report: &FrameReport) -> Vec<Plot> {
-    let mut threads: Vec<usize> = report.rows.iter().map(|row| row.threads).collect();
-    threads.sort_unstable();
-    threads.dedup();
-    let series = |threads: usize, name: &str, colour, dashed, value: &dyn Fn(&FrameRow) -> f64| Series {
-        name: name.to_owned(),
-        colour,
-        dashed,
-        points: report
-            .rows
-            .iter()
-            .filter(|row| row.threads == threads)
-            .map(|row| (row.triangles as f64, value(row)))
-            .collect(),
+    let mut out: Vec<(&FrameCost, Plot)> = Vec::new();
+    for row in report.frames.iter().filter(|row| row.rays > 0) {
+        let own = |(first, _): &(&FrameCost, Plot)| first.ray_kind == row.ray_kind && first.is_same_contest(row);
+        let place = out.iter().position(own).unwrap_or_else(|| {
+            out.push((row, plot(row)));
+            out.len() - 1
+        });
+        let series = &mut out[place].1.series;
+        let name = format!("{} {}", row.who, row.strategy);
+        let line = series.iter().position(|line| line.name == name).unwrap_or_else(|| {
+            series.push(Series {
+                name,
+                colour: COLOURS[series.len() % COLOURS.len()],
+                dashed: row.who != "restpose",
+                points: Vec::new(),
+            });
+            series.len() - 1
+        });
+        series[line].points.push((row.rays as f64, row.total_us));
+    }
+    out.into_iter().map(|(_, plot)| plot).collect()
+}
+
+fn plot(row: &FrameCost) -> Plot {
+    let threads = if row.threads == 1 { "thread" } else { "threads" };
+    let crowd = if row.instances == 1 {
+        String::new()
+    } else {
+        format!("{} × ", row.instances)
     };
-    let update = threads.first().map(|&least| Plot {
-        title: "Before the first ray of a frame".to_owned(),
-        x_label: "triangles",
-        y_label: "µs",
+    Plot {
+        title: format!("{crowd}{}: {} rays, {} {threads}", row.scene, row.ray_kind, row.threads),
+        x_label: "rays per frame",
+        y_label: "µs per frame",
         scales: [Scale::Logarithmic; 2],
-        series: vec![
-            series(least, "update", OURS, false, &|row| row.update_us),
-            series(least, "update, 99th percentile", OURS, true, &|row| row.update_p99_us),
-            series(least, "static kd-tree built anew", STATIC, false, &|row| {
-                row.static_build_ms * 1e3
-            }),
-        ],
-    });
-    let rays = threads.iter().map(|&threads| Plot {
-        title: format!("Rays, {threads} thread{}", if threads == 1 { "" } else { "s" }),
-        x_label: "triangles",
-        y_label: "Mrays/s",
-        scales: [Scale::Logarithmic; 2],
-        series: vec![
-            series(threads, "primary, static tree", STATIC, false, &|row| {
-                row.primary.twin.mrays
-            }),
-            series(threads, "primary, fuzzy trees", OURS, false, &|row| {
-                row.primary.ours.mrays
-            }),
-            series(threads, "random, static tree", STATIC, true, &|row| {
-                row.random.twin.mrays
-            }),
-            series(threads, "random, fuzzy trees", OURS, true, &|row| row.random.ours.mrays),
-        ],
-    });
-    update.into_iter().chain(rays).collect()
+        series: Vec::new(),
+    }
 }

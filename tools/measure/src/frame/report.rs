@@ -1,139 +1,150 @@
-use super::FrameSettings;
-use crate::RayCost;
-use serde::{Serialize, Serializer, ser::SerializeMap};
+use super::{Crossover, FrameSettings, Glance};
+use restpose_formats::{
+    TreeKind,
+    rows::{KdNodeRow, ReferenceBoxRow, TriangleRow, WideNodeRow},
+};
+use restpose_runtime::TraceCounters;
+use serde::Serialize;
 
 /// What [`measure_frame`](super::measure_frame) measured.
 #[derive(Clone, Debug, Serialize)]
 pub struct FrameReport {
     /// Name and version of this object's form.
     pub schema: &'static str,
-    /// File name of the source.
-    pub source: String,
     /// What was asked for.
     pub settings: FrameSettings,
-    /// By subdivisions, then by threads.
-    pub rows: Vec<FrameRow>,
-}
-
-/// One tessellation on one number of threads. Means are over the rays of all frames.
-///
-/// "Static" is a kd-tree of the same kind built over the posed triangles of the frame at hand and traced by the same
-/// runtime: what a tree built afresh each frame would be.
-#[derive(Clone, Debug)]
-pub struct FrameRow {
-    /// Times that the source's triangles were split into four.
-    pub subdivisions: u32,
-    /// Triangles.
-    pub triangles: u64,
-    /// Threads of the bake and of ray batches. A frame update runs on one, whatever their number.
-    pub threads: usize,
-    /// Frame update (pose, margins, top level), microseconds: median over the samples, warm.
-    pub update_us: f64,
-    /// The same, 99th percentile.
-    pub update_p99_us: f64,
-    /// Camera rays to the whole model.
-    pub primary: RayCost,
-    /// Incoherent rays through a box twice the model's size.
-    pub random: RayCost,
-    /// Bake without import and writing, seconds.
-    pub bake_seconds: f64,
-    /// File size, bytes.
-    pub file_bytes: u64,
-    /// Clusters.
-    pub clusters: u64,
-    /// Nodes of all fuzzy trees.
-    pub kd_nodes: u64,
-    /// Triangle references of all fuzzy trees.
-    pub kd_references: u64,
-    /// Sum of the surface areas of all fuzzy boxes, square scene units.
-    pub fuzzy_box_area: f64,
-    /// Sum of the surface areas of the posed triangles' own boxes, mean over frames.
-    pub static_box_area: f64,
-    /// Building the static tree of one frame (exact sweep, one thread), milliseconds, median over frames.
-    pub static_build_ms: f64,
-    /// Rays of the row that were compared with brute force; all were compared with the static tree.
+    /// By scene, threads, kind and number of rays, strategy.
+    pub frames: Vec<FrameCost>,
+    /// Numbers of rays at which one strategy overtakes another.
+    pub crossovers: Vec<Crossover>,
+    /// What does not depend on rays, per scene and strategy of the runtime.
+    pub glances: Vec<Glance>,
+    /// Rays compared with brute force; all contestants' hits were compared with the runtime's.
     pub brute_force_rays: u64,
 }
 
-impl Serialize for FrameRow {
-    /// Flat. `steps_per_ray`, `tests_per_ray` and `clusters_per_ray` without a kind are those of random rays; ratios
-    /// are ours over static.
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut row = serializer.serialize_map(None)?;
-        row.serialize_entry("subdivisions", &self.subdivisions)?;
-        row.serialize_entry("triangles", &self.triangles)?;
-        row.serialize_entry("threads", &self.threads)?;
-        row.serialize_entry("update_us", &self.update_us)?;
-        row.serialize_entry("update_p99_us", &self.update_p99_us)?;
-        for (name, value) in &self.random.ours.entries()[1..] {
-            row.serialize_entry(name, value)?;
+/// One strategy's frames with one number of rays.
+#[derive(Clone, Debug, Serialize)]
+pub struct FrameCost {
+    /// File name of the source.
+    pub scene: String,
+    /// Of all instances, degenerate ones included.
+    pub triangles: u64,
+    /// Instances.
+    pub instances: u64,
+    /// `restpose` or a peer.
+    pub who: &'static str,
+    /// How it makes its frames.
+    pub strategy: String,
+    /// Threads.
+    pub threads: usize,
+    /// `none` for frames without rays.
+    pub ray_kind: &'static str,
+    /// Rays of a frame.
+    pub rays: u64,
+    /// Frames that were timed.
+    pub frames: u64,
+    /// Microseconds of a frame from setting poses to the last hit: median.
+    pub total_us: f64,
+    /// The same: 99th percentile.
+    pub p99_us: f64,
+    /// The same: least, which a busy machine disturbs less.
+    pub least_us: f64,
+    /// Microseconds before the first ray: median.
+    pub update_us: f64,
+    /// Wrong hits per million rays, of those that were compared; 0 for the runtime.
+    pub wrong_per_million: f64,
+    /// What a frame does; `None` for peers and without rays.
+    pub counts: Option<FrameCounts>,
+}
+
+/// What a frame does: means.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct FrameCounts {
+    /// Share of the rays that hit.
+    pub hit_fraction: f64,
+    /// Inner nodes visited.
+    pub steps: f64,
+    /// Boxes of single triangles tested.
+    pub box_tests: f64,
+    /// Triangles tested.
+    pub tests: f64,
+    /// Clusters entered.
+    pub clusters: f64,
+    /// Instances entered.
+    pub instances: f64,
+    /// Vertices posed for tests; where an instance is posed whole, its vertices do not count.
+    pub vertices_posed: f64,
+    /// Upper bound of bytes read: nodes, references, boxes, triangles and posed vertices as often as they are visited.
+    pub bytes_touched: f64,
+}
+
+/// Bytes of a posed vertex with its stamp.
+const VERTEX_BYTES: usize = 16;
+
+impl FrameCounts {
+    pub(super) fn new(sum: &TraceCounters, hits: usize, frames: usize, tree: TreeKind) -> Self {
+        let per_frame = |count: u64| count as f64 / frames as f64;
+        let node_bytes = match tree {
+            TreeKind::Kd => size_of::<KdNodeRow>(),
+            TreeKind::Wide => size_of::<WideNodeRow>(),
+        };
+        let bytes = sum.steps * node_bytes as u64
+            + sum.box_tests * (size_of::<u32>() + size_of::<ReferenceBoxRow>()) as u64
+            + sum.triangle_tests * (size_of::<TriangleRow>() + 3 * VERTEX_BYTES) as u64;
+        Self {
+            hit_fraction: hits as f64 / sum.rays as f64,
+            steps: per_frame(sum.steps),
+            box_tests: per_frame(sum.box_tests),
+            tests: per_frame(sum.triangle_tests),
+            clusters: per_frame(sum.clusters_entered),
+            instances: per_frame(sum.instances_entered),
+            vertices_posed: per_frame(sum.vertices_posed),
+            bytes_touched: per_frame(bytes),
         }
-        for (kind, cost) in [("primary", &self.primary), ("random", &self.random)] {
-            row.serialize_entry(&format!("rays_{kind}"), &cost.rays)?;
-            row.serialize_entry(&format!("hit_fraction_{kind}"), &cost.hit_fraction)?;
-            for ((name, ours), (_, twin)) in cost.ours.entries().into_iter().zip(cost.twin.entries()) {
-                row.serialize_entry(&format!("{name}_{kind}"), &ours)?;
-                row.serialize_entry(&format!("{name}_{kind}_static"), &twin)?;
-                row.serialize_entry(&format!("{name}_{kind}_ratio"), &(ours / twin))?;
-            }
-        }
-        row.serialize_entry("bake_seconds", &self.bake_seconds)?;
-        row.serialize_entry("file_bytes", &self.file_bytes)?;
-        row.serialize_entry("clusters", &self.clusters)?;
-        row.serialize_entry("kd_nodes", &self.kd_nodes)?;
-        row.serialize_entry("kd_references", &self.kd_references)?;
-        row.serialize_entry("fuzzy_box_area", &self.fuzzy_box_area)?;
-        row.serialize_entry("static_box_area", &self.static_box_area)?;
-        row.serialize_entry("static_build_ms", &self.static_build_ms)?;
-        row.serialize_entry("brute_force_rays", &self.brute_force_rays)?;
-        row.end()
     }
 }
 
-/// Titles of [`FrameRow::cells`].
-pub const COLUMNS: [&str; 15] = [
-    "triangles",
-    "threads",
-    "update µs",
-    "p99 µs",
-    "primary",
-    "static",
-    "random",
-    "static",
-    "steps",
-    "static",
-    "tests",
-    "static",
-    "clusters",
-    "bake s",
-    "file MB",
-];
+/// A strategy's frames without rays and with one.
+#[derive(Clone, Debug)]
+pub struct FixedCost<'a> {
+    pub(super) without: &'a FrameCost,
+    pub(super) first_ray_us: Option<f64>,
+}
 
-/// What the titles mean.
-pub const LEGEND: &str = "primary, random: million rays per second; steps, tests, clusters: per random ray; \
-                          static: the same rays and a kd-tree built over the posed triangles of that frame";
+impl FrameReport {
+    /// Adds another scene's figures.
+    pub fn append(&mut self, other: Self) {
+        self.frames.extend(other.frames);
+        self.crossovers.extend(other.crossovers);
+        self.glances.extend(other.glances);
+        self.brute_force_rays += other.brute_force_rays;
+    }
 
-impl FrameRow {
-    /// The row as text, short.
+    /// The frames of every strategy without rays, and with one.
     #[must_use]
-    pub fn cells(&self) -> [String; COLUMNS.len()] {
-        let (primary, random) = (&self.primary, &self.random);
-        [
-            self.triangles.to_string(),
-            self.threads.to_string(),
-            format!("{:.1}", self.update_us),
-            format!("{:.1}", self.update_p99_us),
-            format!("{:.2}", primary.ours.mrays),
-            format!("{:.2}", primary.twin.mrays),
-            format!("{:.2}", random.ours.mrays),
-            format!("{:.2}", random.twin.mrays),
-            format!("{:.1}", random.ours.steps_per_ray),
-            format!("{:.1}", random.twin.steps_per_ray),
-            format!("{:.2}", random.ours.tests_per_ray),
-            format!("{:.2}", random.twin.tests_per_ray),
-            format!("{:.2}", random.ours.clusters_per_ray),
-            format!("{:.2}", self.bake_seconds),
-            format!("{:.2}", self.file_bytes as f64 / 1e6),
-        ]
+    pub fn fixed_costs(&self) -> Vec<FixedCost<'_>> {
+        let without = self.frames.iter().filter(|row| row.rays == 0);
+        let fixed = without.map(|without| {
+            let one = |row: &&FrameCost| row.rays == 1 && row.is_same_strategy(without);
+            FixedCost {
+                without,
+                first_ray_us: self.frames.iter().find(one).map(|row| row.total_us),
+            }
+        });
+        fixed.collect()
+    }
+}
+
+impl FrameCost {
+    /// Whether both stand for one strategy in one scene on as many threads.
+    pub(super) fn is_same_strategy(&self, other: &Self) -> bool {
+        self.is_same_contest(other) && self.who == other.who && self.strategy == other.strategy
+    }
+
+    /// Whether both stand for one scene on as many threads.
+    pub(super) fn is_same_contest(&self, other: &Self) -> bool {
+        (&self.scene, self.triangles, self.instances, self.threads)
+            == (&other.scene, other.triangles, other.instances, other.threads)
     }
 }

@@ -1,7 +1,6 @@
 use super::{AccuracyFigures, BoundsFigures, PosesReport};
 use crate::{
-    TextRow,
-    page::{OURS, STATIC, document, table},
+    page::{OURS, STATIC, document, section},
     plot::{Plot, Scale, Series, escape},
 };
 
@@ -32,15 +31,6 @@ pub fn page(report: &PosesReport) -> String {
     body += &section(&report.thesis_tessellations);
     body += &section(&report.accuracy);
     document(&format!("Poses and bounds: {}", escape(&scenes.join(", "))), &body)
-}
-
-fn section<const N: usize, R: TextRow<N>>(rows: &[R]) -> String {
-    format!(
-        "<h2>{}</h2>\n<p>{}.</p>\n{}",
-        escape(R::TITLE),
-        escape(R::LEGEND),
-        table(&R::COLUMNS, rows.iter().map(|row| row.cells().to_vec()))
-    )
 }
 
 fn plots(report: &PosesReport, scene: &str) -> Vec<Plot> {

@@ -3,25 +3,27 @@
 use super::{
     super::{tree::Tree, worker::Worker},
     convert::{PeerNode, convert},
-    embree_sys::{BuildPrimitive, Embree, Node, Quality, primitive},
     failed,
 };
-use crate::MeasureError;
+use crate::{
+    MeasureError,
+    embree::{BuildPrimitive, Builder, Device, Node, Quality, primitive},
+};
 use restpose_runtime::{Aabb, build::CheckedBoxes};
 
 const NAME: &str = "Embree";
 
 struct EmbreeWorker {
-    embree: Embree,
+    embree: Builder,
     primitives: Vec<BuildPrimitive>,
     boxes: Vec<Aabb>,
 }
 
 /// It keeps its memory from one build to the next.
 pub(super) fn worker(threads: usize, quality: Quality) -> Result<Box<dyn Worker>, MeasureError> {
-    let embree = Embree::new(threads, quality).ok_or_else(|| failed(NAME, "it gives no device"))?;
+    let device = Device::new(threads).ok_or_else(|| failed(NAME, "it gives no device"))?;
     Ok(Box::new(EmbreeWorker {
-        embree,
+        embree: Builder::new(device, quality),
         primitives: Vec::new(),
         boxes: Vec::new(),
     }))

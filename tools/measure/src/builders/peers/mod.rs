@@ -6,7 +6,6 @@
 mod bvh_crate;
 mod convert;
 mod embree;
-mod embree_sys;
 mod obvhs;
 mod tinybvh;
 
@@ -14,9 +13,8 @@ use super::{
     list::{Builder, Threads},
     tree::TreeKind,
 };
-use crate::MeasureError;
+use crate::{MeasureError, embree::Quality};
 use ::obvhs::BvhBuildParams;
-use embree_sys::Quality;
 
 /// All peers, a line each.
 pub(super) fn peers() -> Vec<Builder> {
@@ -55,8 +53,5 @@ pub(super) fn peers() -> Vec<Builder> {
 
 /// A peer refused to build, or built what is no tree.
 fn failed(peer: &'static str, fault: impl Into<String>) -> MeasureError {
-    MeasureError::Peer {
-        peer,
-        fault: fault.into(),
-    }
+    MeasureError::peer(peer, fault)
 }

@@ -1,4 +1,4 @@
-use super::{FrameRow, FrameSettings, baked_level::BakedLevel};
+use super::{TessellationRow, TessellationsSettings, baked_level::BakedLevel};
 use crate::{
     MeasureError,
     clock::update_times_us,
@@ -36,14 +36,14 @@ impl FrameSums {
         baked: &BakedLevel,
         index: usize,
         pool: &ThreadPool,
-        settings: &FrameSettings,
-    ) -> Result<FrameRow, MeasureError> {
+        settings: &TessellationsSettings,
+    ) -> Result<TessellationRow, MeasureError> {
         let samples = baked.asset.model().samples;
         let passes = (settings.updates as usize).div_ceil(samples.len().max(1));
         let mut updates = pool
             .install(|| update_times_us(&baked.asset, samples, passes))?
             .concat();
-        Ok(FrameRow {
+        Ok(TessellationRow {
             subdivisions: baked.subdivisions,
             triangles: baked.report.triangles,
             threads: pool.current_num_threads(),

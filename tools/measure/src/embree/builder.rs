@@ -1,8 +1,8 @@
-//! What we use of Embree 3's C interface (`rtcore_device.h`, `rtcore_builder.h`), and the callbacks of a build.
-#![expect(unsafe_code, reason = "a C library")]
+//! `rtcore_builder.h`, and the callbacks of a build.
 
+use super::{Device, Quality};
 use restpose_runtime::Aabb;
-use std::ffi::{c_char, c_int, c_uint, c_void};
+use std::ffi::{c_int, c_uint, c_void};
 
 /// Boxes of a leaf at most: `RTC_BUILD_MAX_PRIMITIVES_PER_LEAF`.
 const MOST_BOXES_OF_A_LEAF: c_uint = 32;
@@ -11,21 +11,13 @@ const MOST_BOXES_OF_A_LEAF: c_uint = 32;
 /// for with the levels that large leaves add.
 const MOST_LEVELS: c_uint = 48;
 
-/// `RTC_ERROR_NONE`.
-const NO_ERROR: c_int = 0;
-
-/// `RTCBuildQuality`. High quality splits boxes, which trees that list each box once cannot hold.
-#[derive(Clone, Copy)]
-#[repr(C)]
-pub(super) enum Quality {
-    Low = 0,
-    Medium = 1,
-}
+/// `RTC_ERROR_UNKNOWN`: for a build that gives nothing and no reason.
+const UNKNOWN_ERROR: c_int = 1;
 
 /// `RTCBuildPrimitive`.
 #[derive(Clone, Copy)]
 #[repr(C, align(32))]
-pub(super) struct BuildPrimitive {
+pub(crate) struct BuildPrimitive {
     lower: [f32; 3],
     geometry: c_uint,
     upper: [f32; 3],
@@ -69,9 +61,6 @@ struct BuildArguments {
 }
 
 unsafe extern "C" {
-    fn rtcNewDevice(config: *const c_char) -> *mut c_void;
-    fn rtcReleaseDevice(device: *mut c_void);
-    fn rtcGetDeviceError(device: *mut c_void) -> c_int;
     fn rtcNewBVH(device: *mut c_void) -> *mut c_void;
     fn rtcReleaseBVH(bvh: *mut c_void);
     fn rtcBuildBVH(arguments: *const BuildArguments) -> *mut c_void;
@@ -144,41 +133,35 @@ extern "C" fn create_leaf(
     leaf.cast()
 }
 
-/// A device with its builder's memory, and the tree in it.
-pub(super) struct Embree {
-    device: *mut c_void,
+/// A builder's memory, and the tree in it.
+pub(crate) struct Builder {
     bvh: *mut c_void,
     quality: Quality,
     root: *mut c_void,
+    /// Last: it goes last.
+    device: Device,
 }
 
 // SAFETY: Embree's objects may be used by any thread; this one owns them, and is used by one thread at a time.
-unsafe impl Send for Embree {}
+unsafe impl Send for Builder {}
 
 /// A node of the tree.
-pub(super) enum Node<'a> {
+pub(crate) enum Node<'a> {
     Inner([usize; 2]),
     Leaf(&'a [u32]),
 }
 
-impl Embree {
-    /// `None` where Embree gives no device. Embree's threads are those of the device with the most: no two should live at a
-    /// time.
-    pub fn new(threads: usize, quality: Quality) -> Option<Self> {
-        let config = std::ffi::CString::new(format!("threads={threads}")).ok()?;
-        // SAFETY: the text ends with a zero and outlives the call.
-        let device = unsafe { rtcNewDevice(config.as_ptr()) };
-        if device.is_null() {
-            return None;
-        }
-        // SAFETY: the device was just made.
-        let bvh = unsafe { rtcNewBVH(device) };
-        Some(Self {
-            device,
+impl Builder {
+    /// A builder of its own on a device.
+    pub fn new(device: Device, quality: Quality) -> Self {
+        // SAFETY: the device is alive.
+        let bvh = unsafe { rtcNewBVH(device.0) };
+        Self {
             bvh,
             quality,
             root: std::ptr::null_mut(),
-        })
+            device,
+        }
     }
 
     /// Builds over `primitives`, which Embree puts into another order. An error is Embree's code.
@@ -209,10 +192,11 @@ impl Embree {
         // SAFETY: the arguments are complete; the builder is alive; the primitives are as many as stated and are ours alone
         // during the call; the callbacks do not unwind.
         self.root = unsafe { rtcBuildBVH(&raw const arguments) };
-        // SAFETY: the device is alive.
-        match (unsafe { rtcGetDeviceError(self.device) }, self.root.is_null()) {
-            (NO_ERROR, false) => Ok(()),
-            (code, _) => Err(code),
+        self.device.take_error()?;
+        if self.root.is_null() {
+            Err(UNKNOWN_ERROR)
+        } else {
+            Ok(())
         }
     }
 
@@ -244,18 +228,15 @@ impl Embree {
     }
 }
 
-impl Drop for Embree {
+impl Drop for Builder {
     fn drop(&mut self) {
-        // SAFETY: both are ours and alive; the builder goes before its device.
-        unsafe {
-            rtcReleaseBVH(self.bvh);
-            rtcReleaseDevice(self.device);
-        }
+        // SAFETY: it is ours and alive; its device goes after it.
+        unsafe { rtcReleaseBVH(self.bvh) };
     }
 }
 
 /// A box as Embree takes it.
-pub(super) fn primitive(id: usize, bounds: &Aabb) -> BuildPrimitive {
+pub(crate) fn primitive(id: usize, bounds: &Aabb) -> BuildPrimitive {
     BuildPrimitive {
         lower: bounds.min,
         geometry: 0,

@@ -1,0 +1,71 @@
+use super::{
+    Context,
+    measure::{answer, failure, rows_lines, write},
+};
+use crate::{
+    args::FrameArgs, exit_code::ExitCode, failure::Failure, output::Answer, output_folder::OutputFolder, source_files,
+};
+use restpose_bake::BakeSettings;
+use restpose_measure::frame::{self, FrameReport, FrameScene, measure_frame};
+use std::path::PathBuf;
+
+/// Measures whole frames of each scene.
+pub fn run(args: &FrameArgs, context: &Context) -> Result<Answer, Failure> {
+    let sources: Vec<Vec<PathBuf>> = args.scenes.iter().map(|scene| source_files::joined(scene)).collect();
+    sources.iter().try_for_each(|paths| source_files::check(paths))?;
+    let folder = args.output.as_deref().map(OutputFolder::prepare).transpose()?;
+    let settings = args.settings();
+    let mut measured: Option<FrameReport> = None;
+    for paths in &sources {
+        let path = source_files::first(paths);
+        if sources.len() > 1 {
+            context.reporter.set_label(&path.display().to_string());
+        }
+        context.reporter.stage("import", 0);
+        let mut scene = scene(args, paths)?;
+        let own = measure_frame(&mut scene, &settings, &context.reporter).map_err(|error| failure(path, error))?;
+        match &mut measured {
+            Some(all) => all.append(own),
+            None => measured = Some(own),
+        }
+    }
+    // The command line has at least one scene.
+    let Some(measured) = measured else {
+        return Err(Failure::new(ExitCode::CommandLine, "no scene given".to_owned()));
+    };
+    let files = write("frame", &measured, &frame::page(&measured), folder)?;
+    answer(&measured, lines(&measured), &files, context)
+}
+
+fn scene(args: &FrameArgs, paths: &[PathBuf]) -> Result<FrameScene, Failure> {
+    let path = source_files::first(paths);
+    if path.extension().is_some_and(|extension| extension == "rpose") {
+        if args.subdivide > 0 {
+            let message = format!("{}: a baked file cannot be subdivided; give its source", path.display());
+            return Err(Failure::new(ExitCode::CommandLine, message));
+        }
+        let bytes = std::fs::read(path).map_err(|error| Failure::io("read", path, &error))?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        return FrameScene::baked(name, bytes, args.instances).map_err(|error| failure(path, error));
+    }
+    let bake = BakeSettings {
+        class_overrides: args
+            .classes
+            .iter()
+            .map(|class| (class.part.clone(), class.class))
+            .collect(),
+        ..args.keyframed.settings()
+    };
+    let source = source_files::import(paths, &args.frames.settings())?;
+    FrameScene::imported(&source.animation, args.subdivide, args.instances, bake).map_err(|error| failure(path, error))
+}
+
+fn lines(measured: &FrameReport) -> Vec<String> {
+    [
+        rows_lines(&measured.frames),
+        rows_lines(&measured.crossovers),
+        rows_lines(&measured.fixed_costs()),
+        rows_lines(&measured.glances),
+    ]
+    .concat()
+}

@@ -1,0 +1,105 @@
+use super::{
+    contestant::{Contestant, Tracing},
+    crowd::Crowd,
+    scene::File,
+};
+use crate::MeasureError;
+use restpose_bake::BakeSettings;
+use restpose_formats::TreeKind;
+use restpose_runtime::{Hit, InstanceId, Posing, Ray, Scene, TraceCounters};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+/// A way in which the runtime can be used.
+pub(super) struct Strategy {
+    /// As in tables, after `restpose`.
+    pub name: &'static str,
+    /// What the file must be baked with; `None`: as it is.
+    pub bake: Option<fn(&mut BakeSettings)>,
+    /// How its instances are posed.
+    pub posing: Posing,
+}
+
+const fn strategy(name: &'static str, bake: Option<fn(&mut BakeSettings)>, posing: Posing) -> Strategy {
+    Strategy { name, bake, posing }
+}
+
+/// All strategies of the runtime, a line each.
+pub(super) const STRATEGIES: &[Strategy] = &[
+    strategy("restpose-kd", None, Posing::Chosen),
+    strategy("restpose-kd-recomputed", None, Posing::Recomputed),
+    strategy("restpose-kd-remembered", None, Posing::Remembered),
+    strategy("restpose-kd-whole", None, Posing::Whole),
+];
+
+/// The runtime.
+pub(super) struct Ours {
+    crowd: Arc<Crowd>,
+    scene: Scene,
+    instances: Vec<InstanceId>,
+    tree: TreeKind,
+    rays: Vec<Ray>,
+    hits: Vec<Option<Hit>>,
+}
+
+impl Ours {
+    pub(super) fn new(crowd: &Arc<Crowd>, file: &File, strategy: &Strategy) -> Result<Self, MeasureError> {
+        let (mut scene, instances) = crowd.scene(&file.asset)?;
+        for instance in &instances {
+            scene.set_posing(*instance, strategy.posing)?;
+        }
+        Ok(Self {
+            crowd: Arc::clone(crowd),
+            scene,
+            instances,
+            tree: file.asset.model().meta.tree,
+            rays: Vec::new(),
+            hits: Vec::new(),
+        })
+    }
+}
+
+impl Contestant for Ours {
+    fn set_rays(&mut self, rays: &[Ray], _tracing: Tracing) {
+        self.rays.clear();
+        self.rays.extend_from_slice(rays);
+        self.hits.resize(rays.len(), None);
+    }
+
+    fn frame(&mut self, pose: usize) -> Result<Duration, MeasureError> {
+        let start = Instant::now();
+        self.crowd.pose(&mut self.scene, &self.instances, pose)?;
+        let frame = self.scene.commit();
+        let update = start.elapsed();
+        frame.closest_hits(&self.rays, &mut self.hits);
+        Ok(update)
+    }
+
+    fn distances(&self) -> Vec<f32> {
+        self.hits
+            .iter()
+            .map(|hit| hit.map_or(f32::INFINITY, |hit| hit.t))
+            .collect()
+    }
+
+    fn hits(&self) -> Option<&[Option<Hit>]> {
+        Some(&self.hits)
+    }
+
+    fn tree(&self) -> TreeKind {
+        self.tree
+    }
+
+    fn counted(&mut self, pose: usize) -> Result<Option<TraceCounters>, MeasureError> {
+        self.crowd.pose(&mut self.scene, &self.instances, pose)?;
+        let frame = self.scene.commit();
+        // One after the other: from which ray on more is posed depends on how many came before.
+        let mut counters = TraceCounters::default();
+        for (ray, hit) in self.rays.iter().zip(&mut self.hits) {
+            *hit = frame.closest_hit_counted(ray, &mut counters);
+        }
+        Ok(Some(counters))
+    }
+}
