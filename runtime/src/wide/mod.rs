@@ -34,6 +34,6 @@ pub(crate) use packet::PACKET;
 pub(crate) use packet::{Bundled, Packet};
 pub(crate) use ray::WideRay;
 pub(crate) use ray_group::GROUP;
-pub(crate) use refit::refit;
+pub(crate) use refit::{refit, refit_triangles};
 pub(crate) use stack::WideStack;
 pub(crate) use walk::{Limited, walk};
