@@ -157,6 +157,12 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn join(self, low: __m128, high: __m128) -> __m256 {
+        // SAFETY: see above.
+        unsafe { _mm256_set_m128(high, low) }
+    }
+
+    #[inline(always)]
     fn halves(self, from: __m256) -> [__m128; 2] {
         // SAFETY: see above.
         unsafe { [_mm256_castps256_ps128(from), _mm256_extractf128_ps::<1>(from)] }

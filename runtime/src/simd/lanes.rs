@@ -28,6 +28,8 @@ pub(crate) trait Lanes: Copy {
     fn le8(self, a: Self::F8, b: Self::F8) -> u32;
     /// As `max8`, where lane 7 counts: its bits are those of `b`'s, plus one.
     fn max8_counting(self, a: Self::F8, b: Self::F8) -> Self::F8;
+    /// Lanes 0 to 3 from the first, 4 to 7 from the second.
+    fn join(self, low: Self::F4, high: Self::F4) -> Self::F8;
     /// Lanes 0 to 3 and 4 to 7.
     fn halves(self, from: Self::F8) -> [Self::F4; 2];
 

@@ -92,6 +92,11 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn join(self, low: [f32; 4], high: [f32; 4]) -> [f32; 8] {
+        std::array::from_fn(|k| if k < 4 { low[k] } else { high[k - 4] })
+    }
+
+    #[inline(always)]
     fn halves(self, from: [f32; 8]) -> [[f32; 4]; 2] {
         [0, 4].map(|first| std::array::from_fn(|k| from[first + k]))
     }

@@ -34,5 +34,7 @@ pub(crate) use packet::{Bundled, Packet};
 pub(crate) use ray::WideRay;
 pub(crate) use ray_group::GROUP;
 pub(crate) use refit::refit;
+#[expect(unused_imports, reason = "no instance is promoted yet")]
+pub(crate) use refit::refit_triangles;
 pub(crate) use stack::WideStack;
 pub(crate) use walk::{Limited, walk};

@@ -149,7 +149,7 @@ impl Bundled<'_> {
         self.packet.groups[group].candidates(level, corners)
     }
 
-    /// A bit for each ray of a group that may hit something inside `bounds`, of those that still look for anything.
+    /// A bit for each ray of a group that may hit something inside `bounds` before its end.
     #[inline]
     pub(crate) fn meeting(&self, level: SimdLevel, group: usize, bounds: &Aabb) -> u32 {
         self.packet.groups[group].meeting(level, bounds, self.bundle.outwards(bounds))

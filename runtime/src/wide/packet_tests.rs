@@ -132,7 +132,8 @@ fn together(level: SimdLevel, world: &World, rays: &[Ray], any: bool) -> (Vec<Be
                 let mask = bundled.candidates(level, group, triangle);
                 for lane in (0..GROUP).filter(|lane| mask >> lane & 1 == 1) {
                     let place = group * GROUP + lane;
-                    let hit = PreparedRay::new(&rays[place]).and_then(|ray| ray.intersect(triangle));
+                    let ray = PreparedRay::new(&rays[place]).expect("rays of a bundle can hit something");
+                    let hit = ray.intersect(triangle);
                     if let Some(hit) = hit
                         && improve(&mut best[place], hit.t, leaf)
                     {

@@ -180,7 +180,6 @@ impl RayGroup {
             enter = simd.max8(near, enter);
             exit = simd.min8(far, exit);
         }
-        let over = simd.splat8(f32::NEG_INFINITY);
-        simd.le8(enter, exit) & simd.lt8(over, simd.load8(&self.rows[7])) & self.used
+        simd.le8(enter, exit) & self.used
     }
 }
