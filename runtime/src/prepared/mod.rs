@@ -168,22 +168,22 @@ impl Prepared {
         (state, state.posed(self, asset, motions))
     }
 
-    /// Counts a ray that enters the instance, and does what so many are worth.
+    /// Counts rays that enter the instance, and does what so many are worth.
     #[inline]
-    pub(crate) fn enter(&self, asset: &Asset) -> Option<&Whole> {
+    pub(crate) fn enter(&self, asset: &Asset, rays: u32) -> Option<&Whole> {
         if let Some(whole) = self.whole.get() {
             return Some(whole);
         }
         if self.posing == Posing::Recomputed {
             return None;
         }
-        self.enter_counted(asset)
+        self.enter_counted(asset, rays)
     }
 
-    fn enter_counted(&self, asset: &Asset) -> Option<&Whole> {
+    fn enter_counted(&self, asset: &Asset, rays: u32) -> Option<&Whole> {
         let limits = asset.posing_limits().of(self.posing);
         // One ray more or less changes no hit.
-        let rays = self.rays.fetch_add(1, Relaxed);
+        let rays = self.rays.fetch_add(rays, Relaxed);
         if rays >= limits.whole {
             return self.whole.get_or_make(|whole| whole.pose(self, asset));
         }

@@ -1,8 +1,8 @@
 use super::Prepared;
 use crate::{
     Asset,
-    box_tree::triangle_box,
-    wide::{WideNode, append_rows, refit},
+    simd::SimdLevel,
+    wide::{WideNode, append_rows, refit_triangles},
 };
 use restpose_formats::{TreeKind, rows::WideChild};
 
@@ -22,12 +22,22 @@ impl Whole {
     /// Poses everything.
     pub(super) fn pose(&mut self, prepared: &Prepared, asset: &Asset) {
         prepared.pose_all(asset, &mut self.positions);
-        self.nodes.clear();
         let model = asset.model();
         if model.meta.tree != TreeKind::Wide || !prepared.trees.is_empty() {
+            self.nodes.clear();
             return;
         }
+        // Without vertex caches there is one topology.
+        if self.nodes.is_empty() || !model.caches.is_empty() {
+            self.join(prepared, asset);
+        }
+        refit_triangles(SimdLevel::detect(), &mut self.nodes, model.triangles, &self.positions);
+    }
+
+    /// Joins the topologies.
+    fn join(&mut self, prepared: &Prepared, asset: &Asset) {
         let top = prepared.top_level.nodes();
+        self.nodes.clear();
         self.nodes.extend_from_slice(top);
         self.roots.clear();
         for cluster in &prepared.clusters {
@@ -41,12 +51,5 @@ impl Whole {
                 }
             }
         }
-        let positions = &self.positions;
-        let corners = |triangle: u32| {
-            model.triangles[triangle as usize]
-                .corners
-                .map(|corner| positions[corner as usize])
-        };
-        refit(&mut self.nodes, |triangle| triangle_box(corners(triangle)));
     }
 }

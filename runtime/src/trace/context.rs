@@ -1,8 +1,12 @@
 use super::{
     moments::Moments,
+    traveller::Traveller,
     walk::{EMPTY_LEVEL, Level},
 };
-use crate::{excess::Motions, wide::WideStack};
+use crate::{
+    excess::Motions,
+    wide::{PACKET, Packet, WideStack},
+};
 use std::cell::RefCell;
 
 /// Scratch of a ray's way through a scene. Large: keep one per thread.
@@ -10,6 +14,12 @@ pub(crate) struct TraceContext {
     /// For the tree over instances.
     pub(super) stack: WideStack,
     pub(super) instance: InstanceContext,
+    pub(super) packet: PacketContext,
+}
+
+pub(super) struct PacketContext {
+    pub packet: Packet,
+    pub travellers: Vec<Option<(Traveller, f32)>>,
 }
 
 pub(super) struct InstanceContext {
@@ -37,6 +47,10 @@ impl TraceContext {
                     motions: Motions::default(),
                 },
                 moments: Moments::default(),
+            },
+            packet: PacketContext {
+                packet: Packet::new(),
+                travellers: vec![None; PACKET],
             },
         }
     }

@@ -8,12 +8,14 @@
 //! Based on: Günther, *Ray Tracing of Dynamic Scenes*, §3.2.3 (two levels, triangle tests in world space). Differs: every
 //! plane is widened by the cluster's margin for the ray (see `cluster_frame`), so the children of a node overlap.
 
+mod batch;
 mod context;
 mod mailbox;
 mod moments;
 mod traveller;
 mod walk;
 
+pub(crate) use batch::{Answer, trace_batch};
 pub(crate) use context::TraceContext;
 pub(crate) use walk::Hierarchy;
 
@@ -51,7 +53,7 @@ pub(crate) fn trace<const ANY: bool>(
         return None;
     }
     let slab = SlabRay::in_world(traveller.origin, traveller.direction, &bounds);
-    let TraceContext { stack, instance } = context;
+    let TraceContext { stack, instance, .. } = context;
     wide::walk(
         scene.simd,
         scene.top_level.nodes(),
@@ -106,7 +108,7 @@ fn enter_instance<const ANY: bool>(
                 },
                 simd: scene.simd,
             };
-            match actor.prepared.enter(actor.asset) {
+            match actor.prepared.enter(actor.asset, 1) {
                 Some(whole) if !whole.nodes.is_empty() => {
                     enter_whole::<ANY>(&actor, whole, start, traveller, stack, counters)
                 }

@@ -2,6 +2,7 @@ use crate::{Hit, InstanceId, Ray, triangle::PreparedRay, wide::Limited};
 use restpose_formats::geom::round::{f32_above, f32_below};
 
 /// A ray on its way through the scene.
+#[derive(Clone)]
 pub(super) struct Traveller {
     prepared: PreparedRay,
     pub(super) origin: [f32; 3],
@@ -16,6 +17,7 @@ pub(super) struct Traveller {
 
 impl Traveller {
     /// The ray, and the scaled `t` at which it begins; `None` for one that hits nothing.
+    #[inline]
     pub(super) fn new(ray: &Ray) -> Option<(Self, f32)> {
         let prepared = PreparedRay::new(ray)?;
         let longest = ray.direction.iter().fold(0.0f32, |longest, d| longest.max(d.abs()));

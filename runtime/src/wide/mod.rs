@@ -28,13 +28,9 @@ mod walk;
 
 pub(crate) use collapse::collapse;
 pub(crate) use node::{WideNode, append_rows};
-#[expect(unused_imports, reason = "no batch is traced in packets yet")]
-pub(crate) use packet::PACKET;
-pub(crate) use packet::{Bundled, Packet};
+pub(crate) use packet::{Bundled, PACKET, Packet};
 pub(crate) use ray::WideRay;
 pub(crate) use ray_group::GROUP;
-pub(crate) use refit::refit;
-#[expect(unused_imports, reason = "no instance is promoted yet")]
-pub(crate) use refit::refit_triangles;
+pub(crate) use refit::{refit, refit_triangles};
 pub(crate) use stack::WideStack;
 pub(crate) use walk::{Limited, walk};
