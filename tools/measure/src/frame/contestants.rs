@@ -38,8 +38,7 @@ pub(super) fn contestants(
 ) -> Result<Vec<Named>, MeasureError> {
     let mut out: Vec<Named> = Vec::new();
     for strategy in STRATEGIES.iter().filter(|strategy| settings.chosen(strategy.name)) {
-        // A baked file is not baked again.
-        if let Some(file) = scene.file(strategy.bake)? {
+        if let Some(file) = scene.file(strategy.tree)? {
             out.push(Named {
                 name: strategy.name,
                 contestant: Box::new(Ours::new(crowd, &file, strategy)?),

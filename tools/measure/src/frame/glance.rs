@@ -53,7 +53,7 @@ pub(super) fn glances(scene: &mut FrameScene, settings: &FrameSettings) -> Resul
     let mut out = Vec::new();
     let mut known: Vec<Arc<File>> = Vec::new();
     for strategy in STRATEGIES.iter().filter(|strategy| settings.chosen(strategy.name)) {
-        let Some(file) = scene.file(strategy.bake)? else {
+        let Some(file) = scene.file(strategy.tree)? else {
             continue;
         };
         if known.iter().any(|known| Arc::ptr_eq(known, &file)) {

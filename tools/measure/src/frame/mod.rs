@@ -35,6 +35,7 @@ use crate::{MeasureError, thread_pools::thread_pools};
 use contest::Contest;
 use crossovers::crossovers;
 use crowd::Crowd;
+use ours::STRATEGIES;
 use reference::Reference;
 use restpose_bake::Progress;
 use std::sync::Arc;
@@ -54,7 +55,11 @@ pub fn measure_frame(
     let pools = thread_pools(&settings.threads)?;
     // Before anything else has taken memory and given it back.
     let glances = glance::glances(scene, settings)?;
-    let Some(file) = scene.file(None)?.filter(|_| !glances.is_empty()) else {
+    let mut chosen = STRATEGIES.iter().filter(|strategy| settings.chosen(strategy.name));
+    let file = chosen
+        .find_map(|strategy| scene.file(strategy.tree).transpose())
+        .transpose()?;
+    let Some(file) = file else {
         return Err(MeasureError::NoStrategy {
             scene: scene.name.clone(),
         });

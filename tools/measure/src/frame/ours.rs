@@ -4,7 +4,6 @@ use super::{
     scene::File,
 };
 use crate::MeasureError;
-use restpose_bake::BakeSettings;
 use restpose_formats::TreeKind;
 use restpose_runtime::{Hit, InstanceId, Posing, Ray, Scene, TraceCounters};
 use std::{
@@ -16,22 +15,26 @@ use std::{
 pub(super) struct Strategy {
     /// As in tables, after `restpose`.
     pub name: &'static str,
-    /// What the file must be baked with; `None`: as it is.
-    pub bake: Option<fn(&mut BakeSettings)>,
+    /// Fuzzy trees of the file.
+    pub tree: TreeKind,
     /// How its instances are posed.
     pub posing: Posing,
 }
 
-const fn strategy(name: &'static str, bake: Option<fn(&mut BakeSettings)>, posing: Posing) -> Strategy {
-    Strategy { name, bake, posing }
+const fn strategy(name: &'static str, tree: TreeKind, posing: Posing) -> Strategy {
+    Strategy { name, tree, posing }
 }
 
 /// All strategies of the runtime, a line each.
 pub(super) const STRATEGIES: &[Strategy] = &[
-    strategy("restpose-kd", None, Posing::Chosen),
-    strategy("restpose-kd-recomputed", None, Posing::Recomputed),
-    strategy("restpose-kd-remembered", None, Posing::Remembered),
-    strategy("restpose-kd-whole", None, Posing::Whole),
+    strategy("restpose-kd", TreeKind::Kd, Posing::Chosen),
+    strategy("restpose-kd-recomputed", TreeKind::Kd, Posing::Recomputed),
+    strategy("restpose-kd-remembered", TreeKind::Kd, Posing::Remembered),
+    strategy("restpose-kd-whole", TreeKind::Kd, Posing::Whole),
+    strategy("restpose-wide", TreeKind::Wide, Posing::Chosen),
+    strategy("restpose-wide-recomputed", TreeKind::Wide, Posing::Recomputed),
+    strategy("restpose-wide-remembered", TreeKind::Wide, Posing::Remembered),
+    strategy("restpose-wide-whole", TreeKind::Wide, Posing::Whole),
 ];
 
 /// The runtime.
@@ -54,7 +57,7 @@ impl Ours {
             crowd: Arc::clone(crowd),
             scene,
             instances,
-            tree: file.asset.model().meta.tree,
+            tree: strategy.tree,
             rays: Vec::new(),
             hits: Vec::new(),
         })

@@ -1,6 +1,6 @@
 use crate::{MeasureError, subdivision_limit::check_subdivisions};
 use restpose_bake::{BakeSettings, NoProgress, bake, import::Animation, subdivide::subdivide};
-use restpose_formats::write;
+use restpose_formats::{TreeKind, write};
 use restpose_runtime::Asset;
 use std::{sync::Arc, time::Instant};
 
@@ -30,7 +30,7 @@ pub(super) struct File {
 }
 
 impl FrameScene {
-    /// A source, subdivided so many times; each strategy has it baked as it needs it, otherwise by these settings.
+    /// A source, subdivided so many times and baked by these settings, with the trees of each strategy.
     ///
     /// # Errors
     /// [`MeasureError`]: too many subdivisions or instances, or none.
@@ -50,7 +50,7 @@ impl FrameScene {
         })
     }
 
-    /// The bytes of a baked file. Strategies that would have it baked otherwise are left out.
+    /// The bytes of a baked file. Strategies of other trees than it has are left out.
     ///
     /// # Errors
     /// [`MeasureError`]: too many instances or none, or the file is refused.
@@ -69,16 +69,18 @@ impl FrameScene {
         })
     }
 
-    /// The file as it is baked after `change`; `None` where it was baked before, and not so.
-    pub(super) fn file(&mut self, change: Option<fn(&mut BakeSettings)>) -> Result<Option<Arc<File>>, MeasureError> {
+    /// The file with such trees; `None` where it was baked before, with others.
+    pub(super) fn file(&mut self, tree: TreeKind) -> Result<Option<Arc<File>>, MeasureError> {
         let (animation, settings) = match &self.source {
-            Source::Baked(file) => return Ok(change.is_none().then(|| Arc::clone(file))),
+            Source::Baked(file) => {
+                return Ok((file.asset.model().meta.tree == tree).then(|| Arc::clone(file)));
+            }
             Source::Animation(source) => &**source,
         };
-        let mut settings = settings.clone();
-        if let Some(change) = change {
-            change(&mut settings);
-        }
+        let settings = BakeSettings {
+            tree,
+            ..settings.clone()
+        };
         if let Some((_, file)) = self.files.iter().find(|(known, _)| *known == settings) {
             return Ok(Some(Arc::clone(file)));
         }
