@@ -30,11 +30,11 @@ struct Costs;
 
 impl Costs {
     /// Posing a vertex with others.
-    const VERTEX: f64 = 6.0;
+    const VERTEX: f64 = 8.0;
     /// Refitting the tree over a triangle.
-    const TRIANGLE: f64 = 12.0;
+    const TRIANGLE: f64 = 14.0;
     /// What a ray saves that enters a whole instance instead of its clusters.
-    const RAY: f64 = 300.0;
+    const RAY: f64 = 600.0;
 }
 
 impl PosingLimits {
