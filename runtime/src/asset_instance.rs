@@ -116,6 +116,10 @@ impl AssetInstance {
         prepared.prepare(self.asset(), *transform, limits, |evaluator, out| {
             pose.evaluate(self.asset().model(), evaluator, out);
         });
+        prepared.stretch = match *pose {
+            PoseSource::Clip { clip, seconds } => Some(self.asset().envelope_hints().stretch(clip, seconds)),
+            PoseSource::Default | PoseSource::Given(_) => None,
+        };
         if let Err(late) = self.prepared.set(prepared) {
             self.pool.put(late);
         }
@@ -166,6 +170,7 @@ impl AssetInstance {
         };
         let transform = motion.transform_at(&self.state, time);
         // How many rays come at the same time is not known; few do.
+        prepared.stretch = None;
         prepared.prepare(self.asset(), transform, PosingLimits::NONE, |_, out| {
             motion.pose_at(time, out)
         });

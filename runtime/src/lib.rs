@@ -52,6 +52,7 @@ mod box_tree;
 pub mod build;
 mod cache;
 mod cluster_frame;
+mod envelope_hints;
 mod error;
 mod excess;
 mod frame;

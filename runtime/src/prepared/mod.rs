@@ -56,6 +56,8 @@ pub(crate) struct Prepared {
     /// Trees over posed triangles, of clusters in free motion.
     pub trees: Vec<BoxTree>,
     limits: PosingLimits,
+    /// The stretch of the clip that it is a pose of.
+    pub stretch: Option<usize>,
     /// Rays that entered the instance, as far as they are counted.
     rays: AtomicU32,
     memo: Kept<VertexMemo>,
