@@ -54,7 +54,11 @@ fn batches_answer_what_single_rays_do() {
             let instances: Vec<InstanceId> = (0..3).map(|_| scene.add(&asset)).collect();
             let ground = scene.add_geometry();
             scene
-                .set_geometry(ground, &[[-9.0, 0.0, -9.0], [9.0, 0.0, -9.0], [0.0, 0.1, 9.0]], &[[0, 1, 2]])
+                .set_geometry(
+                    ground,
+                    &[[-9.0, 0.0, -9.0], [9.0, 0.0, -9.0], [0.0, 0.1, 9.0]],
+                    &[[0, 1, 2]],
+                )
                 .unwrap();
             for (at, instance) in (0..).zip(&instances) {
                 let shift = Affine::from_translation([at as f32 * 0.7, 0.0, at as f32 * -0.3]);
