@@ -1,8 +1,9 @@
 #![expect(unsafe_code, reason = "passes the promise of `map` on to its caller")]
 
 use crate::{
-    OpenError, cache::CACHE_ROUNDINGS, cluster_frame::vertex_error as vertex_error_of, map::StoredModel,
-    pose_space::PoseSpaces, posed_bounds::RestBoxes, posing::PosingLimits, top_level::TopLevel, vertex::rounding_count,
+    OpenError, cache::CACHE_ROUNDINGS, cluster_frame::vertex_error as vertex_error_of, envelope_hints::EnvelopeHints,
+    map::StoredModel, pose_space::PoseSpaces, posed_bounds::RestBoxes, posing::PosingLimits, top_level::TopLevel,
+    vertex::rounding_count,
 };
 use restpose_formats::{
     FormatError, ModelView, TreeKind,
@@ -22,6 +23,7 @@ pub struct Asset {
     first_references: Vec<bool>,
     clusters_without_track: usize,
     rest_boxes: RestBoxes,
+    envelope_hints: EnvelopeHints,
     /// Over the clusters of an asset without vertex caches, in the rest pose.
     top_level: TopLevel,
     posing_limits: PosingLimits,
@@ -105,6 +107,7 @@ impl Asset {
         }
         let clusters_without_track = view.clusters.partition_point(|cluster| cluster.track == NONE);
         let rest_boxes = RestBoxes::new(view);
+        let envelope_hints = EnvelopeHints::new(view);
         let posing_limits = PosingLimits::new(view.vertices.len(), view.triangles.len());
         Self {
             model,
@@ -115,6 +118,7 @@ impl Asset {
             first_references,
             clusters_without_track,
             rest_boxes,
+            envelope_hints,
             top_level,
             posing_limits,
         }
@@ -179,6 +183,11 @@ impl Asset {
     /// What bones move in the rest pose.
     pub(crate) fn rest_boxes(&self) -> &RestBoxes {
         &self.rest_boxes
+    }
+
+    /// Where poses of clips are looked for first.
+    pub(crate) fn envelope_hints(&self) -> &EnvelopeHints {
+        &self.envelope_hints
     }
 
     /// The topology over its clusters, where it has no vertex caches.

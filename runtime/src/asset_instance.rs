@@ -3,6 +3,7 @@ use crate::{
     instance_state::{InstanceState, PoseSource},
     motion::Motion,
     posed_bounds::{BoundedPose, motion_bounds, posed_bounds},
+    posing::PosingLimits,
     prepared::{Prepared, PreparedPool},
 };
 use restpose_formats::ModelView;
@@ -16,6 +17,8 @@ pub(crate) struct AssetInstance {
     /// Memory for a pose of the caller's, from when it had one.
     spare_pose: Option<Arc<Pose>>,
     pub posing: Posing,
+    /// Rays that entered it in the last frame, as far as they were counted.
+    last_rays: u32,
     /// Where it goes during the time interval, if anywhere.
     motion: Option<Box<Motion>>,
     /// World space, as of the last commit.
@@ -32,6 +35,7 @@ impl AssetInstance {
             state: InstanceState::NEW,
             spare_pose: None,
             posing: Posing::Chosen,
+            last_rays: 0,
             motion: None,
             bounds: Aabb::EMPTY,
             prepared: OnceLock::new(),
@@ -70,7 +74,9 @@ impl AssetInstance {
 
     /// Bounds it for the state that it has now, and forgets what was prepared for another.
     pub(crate) fn update(&mut self) {
+        self.last_rays = 0;
         if let Some(prepared) = self.prepared.take() {
+            self.last_rays = prepared.rays();
             self.pool.put(prepared);
         }
         let asset = Arc::clone(self.asset());
@@ -106,9 +112,14 @@ impl AssetInstance {
         }
         let mut prepared = self.pool.take();
         let InstanceState { transform, pose } = &self.state;
-        prepared.prepare(self.asset(), *transform, self.posing, |evaluator, out| {
+        let limits = self.asset().posing_limits().of(self.posing, self.last_rays);
+        prepared.prepare(self.asset(), *transform, limits, |evaluator, out| {
             pose.evaluate(self.asset().model(), evaluator, out);
         });
+        prepared.stretch = match *pose {
+            PoseSource::Clip { clip, seconds } => Some(self.asset().envelope_hints().stretch(clip, seconds)),
+            PoseSource::Default | PoseSource::Given(_) => None,
+        };
         if let Err(late) = self.prepared.set(prepared) {
             self.pool.put(late);
         }
@@ -135,7 +146,7 @@ impl AssetInstance {
             for pose in motion.poses() {
                 for at in 0..breakpoints.iter().map(Vec::len).max().unwrap_or(0) {
                     let frame = |cache: &Vec<f64>| cache[at.min(cache.len() - 1)];
-                    prepared.prepare(self.asset(), *transform, self.posing, |_, out| {
+                    prepared.prepare(self.asset(), *transform, PosingLimits::NONE, |_, out| {
                         out.clone_from(pose);
                         out.cache_frames.clear();
                         out.cache_frames.extend(breakpoints.iter().map(frame));
@@ -159,7 +170,8 @@ impl AssetInstance {
         };
         let transform = motion.transform_at(&self.state, time);
         // How many rays come at the same time is not known; few do.
-        prepared.prepare(self.asset(), transform, Posing::Recomputed, |_, out| {
+        prepared.stretch = None;
+        prepared.prepare(self.asset(), transform, PosingLimits::NONE, |_, out| {
             motion.pose_at(time, out)
         });
     }

@@ -18,6 +18,19 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # What a frame costs
+//!
+//! What its rays touch. A commit bounds the instances that changed, by their clips' boxes in the file or by their palettes,
+//! and builds a tree over them. The first ray that enters an instance poses its bones and bounds its clusters, the first that
+//! enters a cluster inverts its matrix and measures its pose, and one that reaches a triangle poses its vertices. Where many
+//! rays come, all vertices are posed and the tree is refitted, once ([`Posing`]). Threads do so side by side without waiting;
+//! hits do not depend on any of it. [`FrameStats`] says what was touched.
+//!
+//! [`InstanceState`]s are past or future poses: [`Scene::state`], [`Scene::set_state`], and for rays with times of their own
+//! [`Scene::set_motion`] and [`Frame::closest_hit_at`].
+//!
+//! # Files and poses
+//!
 //! [`Asset::open`] reads a file into memory; [`Asset::map`] maps it, which is `unsafe` because the file must not change
 //! meanwhile. Poses come from a clip ([`Scene::play`]) or from the caller ([`Scene::set_palette`]). Parts whose motion has
 //! no coherence get a hierarchy over their posed triangles in every frame, and so do triangles that the caller supplies
@@ -39,6 +52,7 @@ mod box_tree;
 pub mod build;
 mod cache;
 mod cluster_frame;
+mod envelope_hints;
 mod error;
 mod excess;
 mod frame;

@@ -135,9 +135,13 @@ impl ClusterState {
             bones: &prepared.pose.palette,
             morph_weights: &prepared.pose.morph_weights,
         };
-        let mut nearest = self.nearest_envelope.load(Relaxed).min(space.envelope_count - 1);
+        let hint = match prepared.stretch {
+            Some(stretch) => asset.envelope_hints().of(stretch, self.row),
+            None => &self.nearest_envelope,
+        };
+        let mut nearest = hint.load(Relaxed).min(space.envelope_count - 1);
         let mut excess = motions.measure(&space, cluster.bone as usize, inverse, pose, &mut nearest);
-        self.nearest_envelope.store(nearest, Relaxed);
+        hint.store(nearest, Relaxed);
         excess.is_outside |= excess.largest() > UNKNOWN * longest_side(cluster);
         excess
     }

@@ -15,13 +15,14 @@ pub(crate) use pool::PreparedPool;
 pub(crate) use whole::Whole;
 
 use crate::{
-    Aabb, Affine, Asset, Pose, PoseEvaluator, Posing,
+    Aabb, Affine, Asset, Pose, PoseEvaluator,
     box_tree::{BoxTree, triangle_box},
     build::BvhSettings,
     cache::CacheState,
     cluster_frame::{Map64, PosedMap, posed_map},
     excess::Motions,
     posed_bounds::{cluster_bounds, morph_extent},
+    posing::PosingLimits,
     simd::SimdLevel,
     stats::Count,
     top_level::TopLevel,
@@ -54,7 +55,9 @@ pub(crate) struct Prepared {
     pub top_level: TopLevel,
     /// Trees over posed triangles, of clusters in free motion.
     pub trees: Vec<BoxTree>,
-    posing: Posing,
+    limits: PosingLimits,
+    /// The stretch of the clip that it is a pose of.
+    pub stretch: Option<usize>,
     /// Rays that entered the instance, as far as they are counted.
     rays: AtomicU32,
     memo: Kept<VertexMemo>,
@@ -69,12 +72,12 @@ impl Prepared {
         &mut self,
         asset: &Asset,
         transform: Affine,
-        posing: Posing,
+        limits: PosingLimits,
         evaluate: impl FnOnce(&mut PoseEvaluator, &mut Pose),
     ) {
         let model = asset.model();
         self.forget();
-        self.posing = posing;
+        self.limits = limits;
         self.transform = transform;
         evaluate(&mut self.evaluator, &mut self.pose);
         self.morph_extent = morph_extent(model, &self.pose.morph_weights);
@@ -171,27 +174,28 @@ impl Prepared {
     /// Counts rays that enter the instance, and does what so many are worth.
     #[inline]
     pub(crate) fn enter(&self, asset: &Asset, rays: u32) -> Option<&Whole> {
+        let limits = &self.limits;
+        // One ray more or less changes no hit. Beyond what matters they are not counted, and threads do not meet here.
+        let before = self.rays.load(Relaxed);
+        if before < limits.counted {
+            self.rays.fetch_add(rays, Relaxed);
+        }
         if let Some(whole) = self.whole.get() {
             return Some(whole);
         }
-        if self.posing == Posing::Recomputed {
-            return None;
-        }
-        self.enter_counted(asset, rays)
-    }
-
-    fn enter_counted(&self, asset: &Asset, rays: u32) -> Option<&Whole> {
-        let limits = asset.posing_limits().of(self.posing);
-        // One ray more or less changes no hit.
-        let rays = self.rays.fetch_add(rays, Relaxed);
-        if rays >= limits.whole {
+        if before >= limits.whole {
             return self.whole.get_or_make(|whole| whole.pose(self, asset));
         }
-        if rays >= limits.remembered {
+        if before >= limits.remembered {
             let vertices = asset.model().vertices.len();
             self.memo.get_or_make(|memo| memo.begin(vertices));
         }
         None
+    }
+
+    /// Rays that entered it, as far as they are counted.
+    pub(crate) fn rays(&self) -> u32 {
+        self.rays.load(Relaxed)
     }
 
     pub(crate) fn is_remembered(&self) -> bool {

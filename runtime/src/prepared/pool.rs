@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 #[derive(Debug)]
 pub(crate) struct PreparedPool {
     asset: Arc<Asset>,
+    #[expect(clippy::vec_box, reason = "large, and they are moved in and out as they are")]
     spare: Mutex<Vec<Box<Prepared>>>,
 }
 

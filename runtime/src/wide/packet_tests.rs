@@ -1,4 +1,4 @@
-use super::*;
+use super::{boxes::WideBoxes, *};
 use crate::{
     Aabb, Ray,
     build::{Bvh, BvhSettings, CheckedBoxes, StreamedBvh},

@@ -1,0 +1,90 @@
+//! Batches, whose coherent rays go together, answer each ray as if it were alone.
+
+use restpose_bake::{
+    BakeSettings,
+    import::import,
+    verify::{Oracle, Rays},
+};
+use restpose_formats::TreeKind;
+use restpose_runtime::{Affine, Frame, InstanceId, Posing, Ray, Scene};
+use restpose_tests::{baked_with, sample_scenes};
+
+/// Rays of a camera in tiles of eight by eight, as pictures should be traced: coherent but for those near its axes.
+fn camera(frame: &Frame, side: usize, from: [f32; 3]) -> Vec<Ray> {
+    let bounds = frame.bounds();
+    let center = bounds.center();
+    let reach = (0..3).fold(0.0f32, |most, k| most.max(bounds.max[k] - bounds.min[k]));
+    let origin = std::array::from_fn(|k| center[k] + from[k] * reach);
+    (0..side * side)
+        .map(|index| {
+            let (tile, place) = (index / 64, index % 64);
+            let tiles = side / 8;
+            let x = (tile % tiles * 8 + place % 8) as f32 / side as f32 - 0.5;
+            let y = (tile / tiles * 8 + place / 8) as f32 / side as f32 - 0.5;
+            let target = [center[0] + x * reach, center[1] + y * reach, center[2] + x * y * reach];
+            Ray::new(origin, std::array::from_fn(|k| target[k] - origin[k]))
+        })
+        .collect()
+}
+
+fn assert_alike(name: &str, frame: &Frame, rays: &[Ray]) -> usize {
+    let alone: Vec<_> = rays.iter().map(|ray| frame.closest_hit(ray)).collect();
+    let mut hits = vec![None; rays.len()];
+    frame.closest_hits(rays, &mut hits);
+    let mut any = vec![false; rays.len()];
+    frame.any_hits(rays, &mut any);
+    for (place, ray) in rays.iter().enumerate() {
+        assert_eq!(hits[place], alone[place], "{name}: {ray:?}");
+        assert_eq!(any[place], alone[place].is_some(), "{name}: {ray:?}");
+    }
+    alone.iter().flatten().count()
+}
+
+#[test]
+fn batches_answer_what_single_rays_do() {
+    let mut hits = 0;
+    for (index, path) in sample_scenes().iter().enumerate() {
+        let wide = BakeSettings {
+            tree: TreeKind::Wide,
+            ..BakeSettings::default()
+        };
+        let asset = baked_with(&import(path).unwrap().animation, &wide);
+        for posing in [Posing::Whole, Posing::Chosen] {
+            let mut scene = Scene::new();
+            let instances: Vec<InstanceId> = (0..3).map(|_| scene.add(&asset)).collect();
+            let ground = scene.add_geometry();
+            scene
+                .set_geometry(ground, &[[-9.0, 0.0, -9.0], [9.0, 0.0, -9.0], [0.0, 0.1, 9.0]], &[[0, 1, 2]])
+                .unwrap();
+            for (at, instance) in (0..).zip(&instances) {
+                let shift = Affine::from_translation([at as f32 * 0.7, 0.0, at as f32 * -0.3]);
+                scene.set_transform(*instance, shift).unwrap();
+                // Whole ones beside such whose rays go one by one.
+                let own = if at == 1 { Posing::Recomputed } else { posing };
+                scene.set_posing(*instance, own).unwrap();
+                if !asset.model().clips.is_empty() {
+                    scene.play(*instance, 0, at as f32 * 0.37).unwrap();
+                }
+            }
+            let frame = scene.commit();
+            let name = format!("{}, {posing:?}", path.display());
+            for from in [[0.1, 0.2, 1.4], [-1.0, 0.6, 0.3], [0.0, 0.1, 0.2]] {
+                hits += assert_alike(&name, &frame, &camera(&frame, 48, from));
+            }
+            let oracle = Oracle::new(&frame, &instances);
+            let mixed: Vec<Ray> = Rays::new(&oracle, index as u64).take(700).collect();
+            hits += assert_alike(&name, &frame, &mixed);
+            // Ranges, and rays that can hit nothing, among coherent ones.
+            let mut cut = camera(&frame, 16, [0.3, 0.4, 1.0]);
+            for (at, ray) in cut.iter_mut().enumerate() {
+                ray.t_max = if at % 3 == 0 { 1.0 } else { f32::INFINITY };
+                ray.t_min = if at % 5 == 0 { 0.9 } else { 0.0 };
+                if at % 50 == 7 {
+                    ray.direction = [f32::NAN; 3];
+                }
+            }
+            assert_alike(&name, &frame, &cut);
+        }
+    }
+    assert!(hits > 5_000, "{hits}");
+}
