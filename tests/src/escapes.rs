@@ -5,11 +5,11 @@
 //! no division in it: with adj X the adjugate of a cluster frame's linear part, `X⁻¹v ≥ b` is `adj X·(v − t) ≥ b·det X` for
 //! a positive determinant, and sums and products of floating-point numbers are exact in [`Dyadic`].
 
-use crate::Dyadic;
-use restpose_formats::{
-    ModelView,
-    rows::{ClusterRow, KdNode, ReferenceBoxRow, box_steps},
+use crate::{
+    Dyadic,
+    widened_tree::{Tree, Widened},
 };
+use restpose_formats::ModelView;
 use restpose_runtime::Affine;
 use std::collections::BTreeMap;
 
@@ -37,7 +37,8 @@ pub struct Escape {
     pub from: Escaped,
 }
 
-type Point = [Dyadic; 3];
+/// A point, in exact arithmetic.
+pub(crate) type Point = [Dyadic; 3];
 
 /// All escapes of the pose from the clusters of `excess`: cluster rows without a track and with an invertible frame, each
 /// with the length per local axis by which its boxes and planes are widened, as
@@ -65,7 +66,7 @@ pub fn escapes(
         let cluster = &model.clusters[row as usize];
         let frame = Frame::new(&posed.maps[cluster.bone as usize]);
         let widened = Widened {
-            frame: &frame,
+            scale: &frame.scale,
             excess: excess.map(Dyadic::from),
         };
         let tree = Tree::new(model, cluster, &widened);
@@ -99,7 +100,7 @@ pub fn escapes(
     out
 }
 
-fn exact(point: [f32; 3]) -> Point {
+pub(crate) fn exact(point: [f32; 3]) -> Point {
     point.map(Dyadic::from)
 }
 
@@ -171,125 +172,4 @@ impl Frame {
 
 fn dot(a: &Point, b: &Point) -> Dyadic {
     &(&(&a[0] * &b[0]) + &(&a[1] * &b[1])) + &(&a[2] * &b[2])
-}
-
-/// Turns planes in a cluster's local space into what scaled fuzzy positions are compared with.
-struct Widened<'a> {
-    frame: &'a Frame,
-    excess: Point,
-}
-
-impl Widened<'_> {
-    /// The plane moved by the excess, downwards and upwards.
-    fn plane(&self, axis: usize, at: &Dyadic) -> [Dyadic; 2] {
-        let (scale, excess) = (&self.frame.scale, &self.excess[axis]);
-        [scale * &(at - excess), scale * &(at + excess)]
-    }
-}
-
-enum Node {
-    /// The left child and the right one begin at the first and end at the second.
-    Inner {
-        axis: usize,
-        plane: [Dyadic; 2],
-        left: usize,
-    },
-    Leaf {
-        first: usize,
-        count: usize,
-    },
-}
-
-/// A fuzzy tree, its planes and boxes widened.
-struct Tree<'a> {
-    references: &'a [u32],
-    boxes: &'a [ReferenceBoxRow],
-    /// Per axis the planes of the lattice that boxes use, by coordinate: widened downwards and upwards.
-    lattice: [BTreeMap<u16, [Dyadic; 2]>; 3],
-    /// Per axis.
-    bounds: [[Dyadic; 2]; 3],
-    nodes: Vec<Node>,
-}
-
-impl<'a> Tree<'a> {
-    fn new(model: &ModelView<'a>, cluster: &ClusterRow, widened: &Widened) -> Self {
-        let bounds = &cluster.bounds_local;
-        let references = cluster.reference_first as usize..(cluster.reference_first + cluster.reference_count) as usize;
-        let boxes = &model.reference_boxes[references.clone()];
-        // The step's own arithmetic is part of the format (6.6).
-        let (min, step) = (exact(bounds.min), exact(box_steps(bounds)));
-        let lattice = std::array::from_fn(|k| {
-            let used = boxes.iter().flat_map(|row| [row.min[k], row.max[k]]);
-            let plane = |q: u16| widened.plane(k, &(&min[k] + &(&step[k] * &Dyadic::from(f64::from(q)))));
-            used.map(|q| (q, plane(q))).collect()
-        });
-        let rows = &model.kd_nodes[cluster.node_first as usize..][..cluster.node_count as usize];
-        let node = |row: KdNode| match row {
-            KdNode::Inner { axis, split, left } => Node::Inner {
-                axis,
-                plane: widened.plane(axis, &Dyadic::from(split)),
-                left: left as usize,
-            },
-            KdNode::Leaf { first, count } => Node::Leaf {
-                first: first as usize,
-                count: count as usize,
-            },
-        };
-        Self {
-            references: &model.references[references],
-            boxes,
-            lattice,
-            bounds: std::array::from_fn(|k| {
-                let [low, _] = widened.plane(k, &Dyadic::from(bounds.min[k]));
-                let [_, high] = widened.plane(k, &Dyadic::from(bounds.max[k]));
-                [low, high]
-            }),
-            nodes: rows.iter().map(|row| node(row.unpack())).collect(),
-        }
-    }
-
-    /// Triangles, ascending, each with the different boxes that leaves have of it.
-    fn boxes_by_triangle(&self) -> BTreeMap<u32, Vec<ReferenceBoxRow>> {
-        let mut out: BTreeMap<u32, Vec<ReferenceBoxRow>> = BTreeMap::new();
-        for (triangle, bounds) in self.references.iter().zip(self.boxes) {
-            let boxes = out.entry(*triangle).or_default();
-            if !boxes.contains(bounds) {
-                boxes.push(*bounds);
-            }
-        }
-        out
-    }
-
-    fn holds(&self, bounds: &ReferenceBoxRow, point: &Point) -> bool {
-        (0..3).all(|k| {
-            let plane = |q: u16| &self.lattice[k][&q];
-            plane(bounds.min[k])[0] <= point[k] && point[k] <= plane(bounds.max[k])[1]
-        })
-    }
-
-    fn bounds_hold(&self, point: &Point) -> bool {
-        (0..3).all(|k| self.bounds[k][0] <= point[k] && point[k] <= self.bounds[k][1])
-    }
-
-    fn finds(&self, triangle: u32, point: &Point) -> bool {
-        let mut stack = vec![0];
-        while let Some(node) = stack.pop() {
-            match &self.nodes[node] {
-                Node::Leaf { first, count } => {
-                    if self.references[*first..][..*count].contains(&triangle) {
-                        return true;
-                    }
-                }
-                Node::Inner { axis, plane, left } => {
-                    if point[*axis] <= plane[1] {
-                        stack.push(*left);
-                    }
-                    if point[*axis] >= plane[0] {
-                        stack.push(left + 1);
-                    }
-                }
-            }
-        }
-        false
-    }
 }

@@ -1,5 +1,17 @@
-use restpose_formats::rows::{KdNode, NONE, ReferenceBoxRow, box_steps};
+use restpose_formats::{
+    ModelView, TreeKind,
+    rows::{ClusterRow, KdNode, NONE, ReferenceBoxRow, WideChild, WideNodeRow, box_steps},
+};
 use restpose_runtime::{Aabb, Affine, Asset, Frame, InstanceId};
+
+/// What stands in a wide node's places, each with its box.
+pub fn wide_boxes(node: &WideNodeRow) -> impl Iterator<Item = (WideChild, ReferenceBoxRow)> {
+    node.children().enumerate().map(|(place, child)| {
+        let corner = |sides: &[[u16; 8]; 3]| std::array::from_fn(|k| sides[k][place]);
+        let (min, max) = (corner(&node.min), corner(&node.max));
+        (child, ReferenceBoxRow { min, max })
+    })
+}
 
 /// What a cluster's traversal compares a ray with, in the cluster's local space.
 #[derive(Clone, Debug)]
@@ -8,13 +20,50 @@ pub struct LocalPlanes {
     pub world_from_local: Affine,
     /// Root box.
     pub bounds: Aabb,
-    /// Axis and position of every split plane of the fuzzy tree.
+    /// Axis and position of every plane between nodes of the fuzzy tree: its split planes, or the sides of their boxes.
     pub splits: Vec<(usize, f32)>,
     /// Boxes of single triangles, on the lattice.
     pub boxes: Vec<ReferenceBoxRow>,
 }
 
 impl LocalPlanes {
+    fn new(model: &ModelView, row: &ClusterRow, world_from_local: Affine) -> Self {
+        let mut planes = Self {
+            world_from_local,
+            bounds: row.bounds_local,
+            splits: Vec::new(),
+            boxes: Vec::new(),
+        };
+        match model.meta.tree {
+            TreeKind::Kd => {
+                let nodes = &model.kd_nodes[row.node_first as usize..][..row.node_count as usize];
+                planes
+                    .splits
+                    .extend(nodes.iter().filter_map(|node| match node.unpack() {
+                        KdNode::Inner { axis, split, .. } => Some((axis, split)),
+                        KdNode::Leaf { .. } => None,
+                    }));
+                let rows = row.reference_first as usize..(row.reference_first + row.reference_count) as usize;
+                planes.boxes.extend_from_slice(&model.reference_boxes[rows]);
+            }
+            TreeKind::Wide => {
+                let nodes = &model.wide_nodes[row.node_first as usize..][..row.node_count as usize];
+                for (child, own) in nodes.iter().flat_map(wide_boxes) {
+                    if let WideChild::Leaf(_) = child {
+                        planes.boxes.push(own);
+                        continue;
+                    }
+                    for axis in 0..3 {
+                        for side in [own.min[axis], own.max[axis]] {
+                            planes.splits.push((axis, planes.lattice_plane(axis, side)));
+                        }
+                    }
+                }
+            }
+        }
+        planes
+    }
+
     /// Position of a lattice plane, rounded to `f32`.
     #[must_use]
     pub fn lattice_plane(&self, axis: usize, coordinate: u16) -> f32 {
@@ -49,17 +98,8 @@ impl Landmarks {
             if row.track != NONE {
                 continue;
             }
-            let nodes = &model.kd_nodes[row.node_first as usize..][..row.node_count as usize];
-            let split = |node: &restpose_formats::rows::KdNodeRow| match node.unpack() {
-                KdNode::Inner { axis, split, .. } => Some((axis, split)),
-                KdNode::Leaf { .. } => None,
-            };
-            self.local.push(LocalPlanes {
-                world_from_local: transform * palette[row.bone as usize],
-                bounds: row.bounds_local,
-                splits: nodes.iter().filter_map(split).collect(),
-                boxes: model.reference_boxes[row.reference_first as usize..][..row.reference_count as usize].to_vec(),
-            });
+            let world_from_local = transform * palette[row.bone as usize];
+            self.local.push(LocalPlanes::new(model, row, world_from_local));
         }
     }
 }

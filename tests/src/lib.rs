@@ -14,13 +14,14 @@ mod random_animation;
 mod random_cache;
 mod scenes;
 mod stage;
+mod widened_tree;
 
 pub use aimed_rays::{Aim, AimedRays, ODD_COMPONENTS};
 pub use cached_mesh::cached_mesh;
 pub use closed_surfaces::{beads, closed_surfaces, tube};
 pub use dyadic::Dyadic;
 pub use jointed_mesh::{MeshRecipe, jointed_mesh};
-pub use landmarks::{Landmarks, LocalPlanes};
+pub use landmarks::{Landmarks, LocalPlanes, wide_boxes};
 pub use random_animation::{Recipe, random_animation};
 pub use random_cache::{CacheRecipe, Motion, random_cache};
 pub use scenes::{baked_animation, baked_asset, baked_with, sample_scenes, source_scenes};

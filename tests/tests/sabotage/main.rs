@@ -5,7 +5,7 @@
 mod tight_file;
 
 use restpose_bake::verify::Oracle;
-use restpose_formats::{FormatError, Model, SectionKind, rows::LeverRow};
+use restpose_formats::{FormatError, Model, SectionKind, TreeKind, rows::LeverRow};
 use restpose_runtime::{Asset, Posing, Ray, Scene};
 use restpose_tests::escapes::Escaped;
 use tight_file::{ENDS, Range, STILL, Stretched, baked, opened, split_at, tight};
@@ -23,11 +23,11 @@ fn escaped(model: &Model, poses: &[Stretched]) -> Vec<Escaped> {
 
 #[test]
 fn a_face_or_plane_one_ulp_inwards_is_seen() {
-    for range in [Range::Line, Range::Reach] {
-        let intact = tight(range);
+    for (range, tree) in files() {
+        let intact = tight(range, tree);
         assert_eq!(escaped(&intact, &ENDS), []);
 
-        let sabotages: [(&str, Sabotage, Escaped); 8] = [
+        let of_clusters: [(&str, Sabotage, Escaped); 4] = [
             (
                 "bounds max",
                 |model| inwards(&mut model.clusters[0].bounds_local.max[0]),
@@ -49,6 +49,8 @@ fn a_face_or_plane_one_ulp_inwards_is_seen() {
                 |model| outwards(&mut model.clusters[0].bounds_local.min[0]),
                 Escaped::ReferenceBox,
             ),
+        ];
+        let of_kd_trees: [(&str, Sabotage, Escaped); 4] = [
             (
                 "box max",
                 |model| model.reference_boxes[0].max[0] -= 1,
@@ -70,17 +72,46 @@ fn a_face_or_plane_one_ulp_inwards_is_seen() {
                 Escaped::Tree,
             ),
         ];
-        for (name, sabotage, expected) in sabotages {
+        let of_wide_trees: [(&str, Sabotage, Escaped); 4] = [
+            (
+                "box max",
+                |model| model.wide_nodes[0].max[0][0] -= 1,
+                Escaped::ReferenceBox,
+            ),
+            (
+                "box min",
+                |model| model.wide_nodes[1].min[0][0] += 1,
+                Escaped::ReferenceBox,
+            ),
+            ("node max", |model| model.wide_nodes[0].max[0][1] -= 1, Escaped::Tree),
+            ("node min", |model| model.wide_nodes[0].min[0][1] += 1, Escaped::Tree),
+        ];
+        let of_trees = match tree {
+            TreeKind::Kd => of_kd_trees,
+            TreeKind::Wide => of_wide_trees,
+        };
+        for (name, sabotage, expected) in of_clusters.into_iter().chain(of_trees) {
             let mut model = intact.clone();
             sabotage(&mut model);
             let found = escaped(&model, &ENDS);
-            assert!(found.contains(&expected), "{range:?}, {name}: {found:?}");
+            assert!(found.contains(&expected), "{range:?}, {tree:?}, {name}: {found:?}");
         }
-        // Both ends of the gap between the triangles are right places for the plane.
-        let mut model = intact;
-        model.kd_nodes[0] = split_at(4.0);
-        assert_eq!(escaped(&model, &ENDS), []);
     }
+}
+
+/// Both ends of the gap between the triangles are right places for a plane.
+#[test]
+fn a_plane_may_stand_anywhere_in_a_gap() {
+    let mut model = tight(Range::Line, TreeKind::Kd);
+    model.kd_nodes[0] = split_at(4.0);
+    assert_eq!(escaped(&model, &ENDS), []);
+}
+
+/// Both ways to write the range, with both kinds of trees.
+fn files() -> impl Iterator<Item = (Range, TreeKind)> {
+    [Range::Line, Range::Reach]
+        .into_iter()
+        .flat_map(|range| TreeKind::ALL.map(|tree| (range, tree)))
 }
 
 fn inwards(x: &mut f32) {
@@ -103,8 +134,8 @@ fn a_margin_one_ulp_smaller_is_seen() {
         (1.0, Stretched { morph: 2.0, ..high }),
         (1.0, Stretched { morph: -1.0, ..low }),
     ];
-    for range in [Range::Line, Range::Reach] {
-        let model = tight(range);
+    for (range, tree) in files() {
+        let model = tight(range, tree);
         for (length, pose) in outside {
             // What rounding adds is below 1e-12 of it, and an ulp of `f32` above 1e-8.
             let found = pose.excess(&model)[0];
@@ -176,7 +207,7 @@ fn a_pose_space_one_ulp_larger_than_its_boxes_is_seen() {
         ),
     ];
     for (name, range, sabotage, pose) in sabotages {
-        let mut model = tight(range);
+        let mut model = tight(range, TreeKind::Wide);
         assert_eq!(escaped(&model, &[pose]), [], "{name}");
         sabotage(&mut model);
         let found = escaped(&model, &[pose]);
@@ -202,7 +233,7 @@ fn a_lever_one_ulp_shorter_is_refused() {
         }),
     ];
     for (expected, name, sabotage) in sabotages {
-        let mut model = tight(Range::Line);
+        let mut model = tight(Range::Line, TreeKind::Wide);
         sabotage(&mut model);
         let found = restpose_formats::write(&model).map(|bytes| Asset::from_bytes(&bytes).map(|_| ()));
         let error = match found {
@@ -227,22 +258,28 @@ fn other_lever(model: &mut Model) -> &mut LeverRow {
 /// Faces of what the baker itself wrote, moved inwards: a few ulps are all that they have.
 #[test]
 fn the_bakers_own_boxes_have_few_ulps_to_spare() {
-    let intact = baked();
-    assert_eq!(escaped(&intact, &ENDS), []);
-    let mut model = intact;
-    let mut spare = 0;
-    while escaped(&model, &ENDS).is_empty() {
-        inwards(&mut model.clusters[0].bounds_local.max[0]);
-        spare += 1;
+    for tree in TreeKind::ALL {
+        let intact = baked(tree);
+        assert_eq!(escaped(&intact, &ENDS), []);
+        let mut model = intact;
+        let mut spare = 0;
+        while escaped(&model, &ENDS).is_empty() {
+            inwards(&mut model.clusters[0].bounds_local.max[0]);
+            spare += 1;
+        }
+        // One for each of: rounding the box outwards, the line made longer by 2⁻²⁰, and the reach that rounding needs.
+        assert!(spare <= 4, "{spare}");
     }
-    // One for each of: rounding the box outwards, the line made longer by 2⁻²⁰, and the reach that rounding needs.
-    assert!(spare <= 4, "{spare}");
 }
 
 /// Without the excess hits are lost, and comparing with brute force says so.
 #[test]
 fn a_margin_left_out_loses_hits_that_brute_force_finds() {
-    let intact = tight(Range::Reach);
+    TreeKind::ALL.into_iter().for_each(assert_hits_are_lost);
+}
+
+fn assert_hits_are_lost(tree: TreeKind) {
+    let intact = tight(Range::Reach, tree);
     let mut blind = intact.clone();
     blind.bone_envelopes[0].reach = [1e6; 12];
     let pose = Stretched { shift: 100.0, ..STILL };

@@ -5,9 +5,12 @@ use restpose_bake::{
     import::{Channel, ChannelTarget, Influence, Local, Node},
 };
 use restpose_formats::{
-    Bounds, Model,
+    Bounds, Model, TreeKind,
     geom::Aabb,
-    rows::{BoneEnvelopeRow, Interpolation, KdNode, KdNodeRow, LeverRow, MorphEnvelopeRow, ReferenceBoxRow},
+    rows::{
+        BoneEnvelopeRow, Interpolation, KdNode, KdNodeRow, LeverRow, MorphEnvelopeRow, ReferenceBoxRow, WideChild,
+        WideNodeRow,
+    },
 };
 use restpose_runtime::{Affine, Asset, Posing, Scene};
 use restpose_tests::{
@@ -19,7 +22,7 @@ use std::sync::Arc;
 
 /// Two right triangles side by side in z = 0, x from 1 to 2 and from 4 to 5, y from 0 to 1. Two bones at the origin carry
 /// every vertex by half, the second of which moves by one along x; a morph target moves all by one along x.
-pub fn baked() -> Model {
+pub fn baked(tree: TreeKind) -> Model {
     let recipe = Recipe {
         seed: 1,
         vertices: 6,
@@ -60,6 +63,7 @@ pub fn baked() -> Model {
     let settings = BakeSettings {
         bounds: Bounds::Envelope,
         sample_step_seconds: 1.0,
+        tree,
         ..BakeSettings::default()
     };
     let model = bake(&animation, &settings, &NoProgress).unwrap().model;
@@ -76,8 +80,8 @@ pub enum Range {
 
 /// The file with every bound as small as it may be: fuzzy positions are p + μ + d/2 along x, μ the morph weight and d the
 /// shift, both in [0, 1].
-pub fn tight(range: Range) -> Model {
-    let mut model = baked();
+pub fn tight(range: Range, tree: TreeKind) -> Model {
+    let mut model = baked(tree);
     let own = model.clusters[0].bone;
     for (lever, bone) in model.levers.iter_mut().zip(&model.cluster_bones) {
         if bone.bone != own {
@@ -111,15 +115,33 @@ pub fn tight(range: Range) -> Model {
     let bounds = boxes[0].union(boxes[1]);
     let cluster = &mut model.clusters[0];
     cluster.bounds_local = bounds;
-    (cluster.node_count, cluster.reference_count) = (3, 2);
-    let leaf = |first| KdNodeRow::pack(KdNode::Leaf { first, count: 1 });
-    model.kd_nodes = vec![split_at(3.5), leaf(0), leaf(1)];
+    cluster.reference_count = 2;
     model.references = vec![0, 1];
-    model.reference_boxes = boxes
-        .iter()
-        .map(|fuzzy| ReferenceBoxRow::around(fuzzy, &bounds))
-        .collect();
+    let boxes = boxes.map(|fuzzy| ReferenceBoxRow::around(&fuzzy, &bounds));
+    match tree {
+        TreeKind::Kd => {
+            cluster.node_count = 3;
+            let leaf = |first| KdNodeRow::pack(KdNode::Leaf { first, count: 1 });
+            model.kd_nodes = vec![split_at(3.5), leaf(0), leaf(1)];
+            model.reference_boxes = boxes.to_vec();
+        }
+        TreeKind::Wide => {
+            cluster.node_count = 2;
+            let mut nodes = [WideNodeRow::EMPTY; 2];
+            place(&mut nodes[0], 0, WideChild::Leaf(0), &boxes[0]);
+            place(&mut nodes[0], 1, WideChild::Node(1), &boxes[1]);
+            place(&mut nodes[1], 0, WideChild::Leaf(1), &boxes[1]);
+            model.wide_nodes = nodes.to_vec();
+        }
+    }
     model
+}
+
+fn place(node: &mut WideNodeRow, place: usize, child: WideChild, bounds: &ReferenceBoxRow) {
+    node.children[place] = child.pack();
+    for k in 0..3 {
+        (node.min[k][place], node.max[k][place]) = (bounds.min[k], bounds.max[k]);
+    }
 }
 
 pub fn split_at(split: f32) -> KdNodeRow {

@@ -33,7 +33,7 @@ pub struct BakeSettings {
     pub bounds: Bounds,
     /// Most envelopes of a cluster, 1 to 1024, where boxes are bounded by envelopes. Default 64.
     pub envelopes: usize,
-    /// What the fuzzy trees are. Default: kd-trees.
+    /// What the fuzzy trees are. Default: wide trees.
     pub tree: TreeKind,
     /// Classes that the user decides, as part name and class. `static` freezes a part in the pose without any clip,
     /// `rigid` keeps a bone for a part that no clip moves.
@@ -77,7 +77,7 @@ impl Default for BakeSettings {
             sample_step_seconds: 1.0 / 60.0,
             bounds: Bounds::Envelope,
             envelopes: 64,
-            tree: TreeKind::Kd,
+            tree: TreeKind::Wide,
             class_overrides: Vec::new(),
             position_error: None,
             motion: DecomposeSettings::default(),

@@ -7,8 +7,8 @@ use restpose_formats::write;
 use restpose_runtime::{Asset, Frame, InstanceId};
 use std::sync::Arc;
 
-/// A posed frame baked as a mesh that does not move: one kd-tree over tight boxes, by the same builder, traced by the
-/// same runtime. What a tree built afresh for this frame would be.
+/// A posed frame baked as a mesh that does not move: one tree over tight boxes, of the same kind and by the same
+/// builder, traced by the same runtime. What a tree built afresh for this frame would be.
 ///
 /// Guarantee: its triangles are those of the frame, row by row and bit for bit, so hits must be equal too.
 pub(crate) struct StaticTwin {
@@ -51,7 +51,14 @@ impl StaticTwin {
             }],
             ..Animation::default()
         };
-        let baked = bake(&animation, &BakeSettings::default(), &NoProgress)?;
+        let baked = bake(
+            &animation,
+            &BakeSettings {
+                tree: asset.model().meta.tree,
+                ..BakeSettings::default()
+            },
+            &NoProgress,
+        )?;
         Ok(Self {
             asset: Arc::new(Asset::from_bytes(&write(&baked.model)?)?),
             report: baked.report,

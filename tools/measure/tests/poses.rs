@@ -24,6 +24,7 @@ fn small() -> PosesSettings {
         clip: None,
         repeats: 1,
         seed: 5,
+        ..PosesSettings::default()
     }
 }
 

@@ -26,6 +26,7 @@ fn small() -> TessellationsSettings {
         repeats: 1,
         updates: 1,
         seed: 5,
+        ..TessellationsSettings::default()
     }
 }
 
@@ -93,8 +94,8 @@ fn keys_that_scripts_rely_on_are_there_and_positive() {
             "hit_fraction_random",
             "bake_seconds",
             "file_bytes",
-            "kd_nodes",
-            "kd_references",
+            "tree_nodes",
+            "tree_references",
             "fuzzy_box_area",
             "static_box_area",
             "static_build_ms",

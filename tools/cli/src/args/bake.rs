@@ -1,10 +1,10 @@
 use super::{
     keyframed::{KeptFramesArgs, KeyframedArgs},
     poses::PoseArgs,
+    tree::TreeArgs,
     values::ClassOverride,
 };
-use clap::{Args, ValueEnum};
-use restpose_formats::TreeKind;
+use clap::Args;
 use std::path::PathBuf;
 
 /// Options of `bake`.
@@ -30,9 +30,8 @@ pub struct BakeArgs {
     #[command(flatten)]
     pub keyframed: KeyframedArgs,
 
-    /// Trees over the boxes of all clusters
-    #[arg(long, value_enum, default_value_t = TreeChoice::Kd, help_heading = "Trees")]
-    pub tree: TreeChoice,
+    #[command(flatten)]
+    pub tree: TreeArgs,
 
     /// Motion class of a part, against the baker's own choice: static freezes it, rigid keeps a bone for a part that
     /// no clip moves, keyframed or free takes a vertex cache through fuzzy trees or through a tree built in every frame,
@@ -40,22 +39,4 @@ pub struct BakeArgs {
     /// [default: the baker decides]
     #[arg(long = "class", value_name = "PART=CLASS", help_heading = "Motion classes")]
     pub classes: Vec<ClassOverride>,
-}
-
-/// Kinds of trees.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum TreeChoice {
-    /// kd-trees, in whose leaves a box says which triangles a ray may meet
-    Kd,
-    /// Hierarchies of boxes with eight children to a node, tested at once
-    Wide,
-}
-
-impl From<TreeChoice> for TreeKind {
-    fn from(choice: TreeChoice) -> Self {
-        match choice {
-            TreeChoice::Kd => Self::Kd,
-            TreeChoice::Wide => Self::Wide,
-        }
-    }
 }

@@ -1,6 +1,7 @@
 use super::{
     BuildersArgs, FrameArgs,
     keyframed::{KeptFramesArgs, KeyframedArgs},
+    tree::TreeArgs,
     values::{self, ClassOverride},
 };
 use crate::exit_code::ExitCode;
@@ -23,7 +24,7 @@ pub enum MeasureTable {
     /// Frame updates and rays against the number of triangles, beside a static tree built anew for each frame
     #[command(after_help = ExitCode::table())]
     Tessellations(TessellationsArgs),
-    /// A keyframed animation's clusters, and its rays beside a kd-tree rebuilt for every frame
+    /// A keyframed animation's clusters, and its rays beside a tree rebuilt for every frame
     #[command(after_help = ExitCode::table())]
     Motion(MotionArgs),
     /// Pose spaces, ways to bound their boxes, preprocessing, and what sampling loses
@@ -51,6 +52,9 @@ pub struct TessellationsArgs {
     /// Thread counts to measure, such as 1,2,8; each 1 to 1024 [default: 1 and what --threads says]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = values::threads)]
     pub thread_counts: Vec<NonZeroUsize>,
+
+    #[command(flatten)]
+    pub tree: TreeArgs,
 }
 
 /// Options of `measure motion`.
@@ -88,6 +92,8 @@ pub struct MotionArgs {
     pub frames: KeptFramesArgs,
     #[command(flatten)]
     pub keyframed: KeyframedArgs,
+    #[command(flatten)]
+    pub tree: TreeArgs,
 
     /// Motion class of a part, against the baker's own choice, as `bake` takes it; may be given again [default: the
     /// baker decides]
@@ -122,4 +128,7 @@ pub struct PosesArgs {
     /// Seed of random poses and rays, any whole number from 0
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
+
+    #[command(flatten)]
+    pub tree: TreeArgs,
 }

@@ -10,6 +10,7 @@ mod keyframed;
 mod measure;
 mod poses;
 mod render;
+mod tree;
 mod values;
 mod verify;
 

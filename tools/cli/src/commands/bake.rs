@@ -136,7 +136,7 @@ pub fn bake_to(
 
 fn settings(args: &BakeArgs) -> Result<BakeSettings, Failure> {
     let settings = BakeSettings {
-        tree: args.tree.into(),
+        tree: args.tree.kind(),
         class_overrides: args
             .classes
             .iter()

@@ -51,6 +51,7 @@ fn tessellations(args: &TessellationsArgs, context: &Context) -> Result<Answer, 
     let mut settings = TessellationsSettings {
         subdivide_max: args.subdivide,
         frames: usize::from(args.frames),
+        tree: args.tree.kind(),
         ..TessellationsSettings::default()
     };
     if !args.thread_counts.is_empty() {
@@ -68,6 +69,7 @@ fn motion(args: &MotionArgs, context: &Context) -> Result<Answer, Failure> {
     context.reporter.stage("import", 0);
     let source = source_files::import(&args.inputs, &args.frames.settings())?;
     let bake = BakeSettings {
+        tree: args.tree.kind(),
         class_overrides: args
             .classes
             .iter()
@@ -101,6 +103,7 @@ fn poses(args: &PosesArgs, context: &Context) -> Result<Answer, Failure> {
         clip: args.clip.clone(),
         repeats: args.repeats,
         seed: args.seed,
+        tree: args.tree.kind(),
     };
     let mut measured: Option<PosesReport> = None;
     for path in &args.scenes {

@@ -1,4 +1,4 @@
-//! What motion decomposition costs and gains over one animation: fuzzy trees beside a kd-tree rebuilt for every frame,
+//! What motion decomposition costs and gains over one animation: fuzzy trees beside a tree rebuilt for every frame,
 //! the clustering by number of clusters, and pictures per second.
 //!
 //! Based on: Günther, *Ray Tracing of Dynamic Scenes*, Figure 3.7 (both costs against the number of clusters), Table 3.2

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 /// What [`measure_motion`](super::measure_motion) measured.
 ///
-/// "Static" is a kd-tree built by the same builder over the posed triangles of the pose at hand and traced by the same
+/// "Static" is a tree of the same kind built by the same builder over the posed triangles of the pose at hand and traced by the same
 /// runtime: what a tree rebuilt for every frame would be. Ratios are fuzzy over static.
 #[derive(Clone, Debug, Serialize)]
 pub struct MotionReport {
@@ -328,7 +328,7 @@ pub const COLUMNS: [&str; 11] = [
 ];
 
 /// What the titles mean.
-pub const LEGEND: &str = "camera: the pose fills the picture; wide camera: all poses are in it; all per ray; static: the same rays and a kd-tree built over the posed triangles of that frame; \
+pub const LEGEND: &str = "camera: the pose fills the picture; wide camera: all poses are in it; all per ray; static: the same rays and a tree of the kind built over the posed triangles of that frame; \
                           ns: without frame update and tree build";
 
 impl Comparison {

@@ -28,6 +28,7 @@ pub(super) fn measure_accuracy(
 ) -> Result<(Vec<AccuracyFigures>, u64), MeasureError> {
     let as_baked = BakeSettings {
         bounds: Bounds::Sampled,
+        tree: round.settings.tree,
         ..BakeSettings::default()
     };
     let mut candidates = vec![Candidate::new(animation, 0, &as_baked)?];
@@ -44,6 +45,7 @@ pub(super) fn measure_accuracy(
         let bake = BakeSettings {
             bounds: Bounds::Envelope,
             envelopes,
+            tree: round.settings.tree,
             ..BakeSettings::default()
         };
         candidates.push(Candidate::new(animation, 0, &bake)?);

@@ -2,7 +2,7 @@ use super::report::FileFigures;
 use crate::MeasureError;
 use restpose_bake::{BakeReport, BakeSettings, Baked, NoProgress, PoseSpace, StageSeconds, bake, import::Animation};
 use restpose_formats::{
-    Bounds, Model, ModelView,
+    Bounds, Model, ModelView, TreeKind,
     rows::{KdNode, NONE},
     write,
 };
@@ -92,6 +92,9 @@ pub(super) fn relate_areas(candidates: &mut [Candidate]) {
 }
 
 fn triangles_per_leaf(model: &ModelView) -> f64 {
+    if model.meta.tree == TreeKind::Wide {
+        return 1.0;
+    }
     let counts = model.kd_nodes.iter().filter_map(|node| match node.unpack() {
         KdNode::Leaf { count, .. } if count > 0 => Some(u64::from(count)),
         _ => None,

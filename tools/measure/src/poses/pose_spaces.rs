@@ -30,6 +30,7 @@ pub(super) fn measure_pose_spaces(
                 pose_space: pose_space.clone(),
                 seed: settings.seed,
                 bounds,
+                tree: settings.tree,
                 ..BakeSettings::default()
             };
             candidates.push(Candidate::new(animation, 0, &bake)?);

@@ -76,7 +76,7 @@ pub struct TessellationFigures {
     pub file: FileFigures,
     /// Evaluating poses, choosing bones, bounding triangles, envelopes: seconds of the bake, on all threads.
     pub sampling_seconds: f64,
-    /// Building fuzzy kd-trees: the same.
+    /// Building fuzzy trees: the same.
     pub tree_seconds: f64,
     /// Microseconds of preparing a frame, as in [`CommitFigures`].
     pub commit_us: f64,

@@ -1,5 +1,6 @@
 use crate::{MeasureError, subdivision_limit::check_subdivisions};
-use restpose_bake::import::Animation;
+use restpose_bake::{BakeSettings, import::Animation};
+use restpose_formats::TreeKind;
 use serde::Serialize;
 
 /// What [`measure_poses`](super::measure_poses) measures.
@@ -18,6 +19,8 @@ pub struct PosesSettings {
     pub repeats: u32,
     /// Seed of random poses and rays. Default 1.
     pub seed: u64,
+    /// What the fuzzy trees are. Default: what a bake takes.
+    pub tree: TreeKind,
 }
 
 impl Default for PosesSettings {
@@ -29,6 +32,7 @@ impl Default for PosesSettings {
             clip: None,
             repeats: 5,
             seed: 1,
+            tree: BakeSettings::default().tree,
         }
     }
 }

@@ -35,11 +35,13 @@ pub(super) fn measure_tessellation(
     let mesh = subdivide(animation, subdivisions);
     let sampled = BakeSettings {
         bounds: Bounds::Sampled,
+        tree: settings.tree,
         ..BakeSettings::default()
     };
     let envelopes = ENVELOPES.map(|envelopes| BakeSettings {
         bounds: Bounds::Envelope,
         envelopes,
+        tree: settings.tree,
         ..BakeSettings::default()
     });
     let mut candidates = Vec::new();

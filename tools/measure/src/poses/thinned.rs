@@ -25,6 +25,7 @@ pub(super) fn thinned(animation: &Animation, sampled: &ModelView, step: f64) -> 
         pose_space: PoseSpace::Clip(thinned.clips[animation.clips.len()].name.clone()),
         sample_step_seconds: LONGEST_STEP,
         bounds: Bounds::Sampled,
+        tree: sampled.meta.tree,
         ..BakeSettings::default()
     };
     let mut candidate = Candidate::with_changes(&thinned, 0, &settings, remove_last_clip)?;

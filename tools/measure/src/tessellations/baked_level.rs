@@ -1,7 +1,7 @@
 use crate::MeasureError;
 use rayon::ThreadPool;
 use restpose_bake::{BakeReport, BakeSettings, NoProgress, bake, import::Animation, subdivide::subdivide};
-use restpose_formats::write;
+use restpose_formats::{TreeKind, write};
 use restpose_runtime::Asset;
 use std::{sync::Arc, time::Instant};
 
@@ -17,7 +17,12 @@ pub(super) struct BakedLevel {
 
 impl BakedLevel {
     /// Bakes in each pool and sees that the files are the same.
-    pub(super) fn new(animation: &Animation, subdivisions: u32, pools: &[ThreadPool]) -> Result<Self, MeasureError> {
+    pub(super) fn new(
+        animation: &Animation,
+        subdivisions: u32,
+        tree: TreeKind,
+        pools: &[ThreadPool],
+    ) -> Result<Self, MeasureError> {
         let [first, others @ ..] = pools else {
             return Err(MeasureError::Setting {
                 name: "number of thread counts",
@@ -26,10 +31,14 @@ impl BakedLevel {
             });
         };
         let mesh = subdivide(animation, subdivisions);
+        let settings = BakeSettings {
+            tree,
+            ..BakeSettings::default()
+        };
         let mut seconds = Vec::with_capacity(pools.len());
         let mut timed = |pool: &ThreadPool| -> Result<(Vec<u8>, BakeReport), MeasureError> {
             let start = Instant::now();
-            let baked = pool.install(|| bake(&mesh, &BakeSettings::default(), &NoProgress))?;
+            let baked = pool.install(|| bake(&mesh, &settings, &NoProgress))?;
             seconds.push(start.elapsed().as_secs_f64());
             Ok((write(&baked.model)?, baked.report))
         };

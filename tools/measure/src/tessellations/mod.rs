@@ -48,7 +48,7 @@ pub fn measure_tessellations(
     let mut rows = Vec::new();
     let mut cameras = Vec::new();
     for subdivisions in 0..=settings.subdivide_max {
-        let baked = BakedLevel::new(animation, subdivisions, &pools)?;
+        let baked = BakedLevel::new(animation, subdivisions, settings.tree, &pools)?;
         progress.advance(weight(subdivisions));
         let all = baked.asset.model().samples;
         let samples = spread(settings.frames, all.len());
@@ -75,7 +75,7 @@ pub fn measure_tessellations(
         }
     }
     Ok(TessellationsReport {
-        schema: "restpose.measure.tessellations.1",
+        schema: "restpose.measure.tessellations.2",
         source: animation.source_name.clone(),
         settings: settings.clone(),
         rows,

@@ -46,7 +46,7 @@ fn plots(report: &TessellationsReport) -> Vec<Plot> {
         series: vec![
             series(least, "update", OURS, false, &|row| row.update_us),
             series(least, "update, 99th percentile", OURS, true, &|row| row.update_p99_us),
-            series(least, "static kd-tree built anew", STATIC, false, &|row| {
+            series(least, "static tree built anew", STATIC, false, &|row| {
                 row.static_build_ms * 1e3
             }),
         ],

@@ -17,7 +17,7 @@ pub struct TessellationsReport {
 
 /// One tessellation on one number of threads. Means are over the rays of all frames.
 ///
-/// "Static" is a kd-tree of the same kind built over the posed triangles of the frame at hand and traced by the same
+/// "Static" is a tree of the same kind built over the posed triangles of the frame at hand and traced by the same
 /// runtime: what a tree built afresh each frame would be.
 #[derive(Clone, Debug)]
 pub struct TessellationRow {
@@ -42,9 +42,9 @@ pub struct TessellationRow {
     /// Clusters.
     pub clusters: u64,
     /// Nodes of all fuzzy trees.
-    pub kd_nodes: u64,
+    pub tree_nodes: u64,
     /// Triangle references of all fuzzy trees.
-    pub kd_references: u64,
+    pub tree_references: u64,
     /// Sum of the surface areas of all fuzzy boxes, square scene units.
     pub fuzzy_box_area: f64,
     /// Sum of the surface areas of the posed triangles' own boxes, mean over frames.
@@ -80,8 +80,8 @@ impl Serialize for TessellationRow {
         row.serialize_entry("bake_seconds", &self.bake_seconds)?;
         row.serialize_entry("file_bytes", &self.file_bytes)?;
         row.serialize_entry("clusters", &self.clusters)?;
-        row.serialize_entry("kd_nodes", &self.kd_nodes)?;
-        row.serialize_entry("kd_references", &self.kd_references)?;
+        row.serialize_entry("tree_nodes", &self.tree_nodes)?;
+        row.serialize_entry("tree_references", &self.tree_references)?;
         row.serialize_entry("fuzzy_box_area", &self.fuzzy_box_area)?;
         row.serialize_entry("static_box_area", &self.static_box_area)?;
         row.serialize_entry("static_build_ms", &self.static_build_ms)?;
@@ -111,7 +111,7 @@ pub const COLUMNS: [&str; 15] = [
 
 /// What the titles mean.
 pub const LEGEND: &str = "primary, random: million rays per second; steps, tests, clusters: per random ray; \
-                          static: the same rays and a kd-tree built over the posed triangles of that frame";
+                          static: the same rays and a tree of the kind built over the posed triangles of that frame";
 
 impl TessellationRow {
     /// The row as text, short.

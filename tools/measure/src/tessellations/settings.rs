@@ -3,7 +3,8 @@ use crate::{
     subdivision_limit::check_subdivisions,
     thread_pools::{THREAD_LIMIT, one_and_all},
 };
-use restpose_bake::import::Animation;
+use restpose_bake::{BakeSettings, import::Animation};
+use restpose_formats::TreeKind;
 use serde::Serialize;
 
 /// What [`measure_tessellations`](super::measure_tessellations) measures.
@@ -26,6 +27,8 @@ pub struct TessellationsSettings {
     pub updates: u32,
     /// Seed of the incoherent rays. Default 1.
     pub seed: u64,
+    /// What the fuzzy trees are, and the static ones. Default: what a bake takes.
+    pub tree: TreeKind,
 }
 
 impl Default for TessellationsSettings {
@@ -39,6 +42,7 @@ impl Default for TessellationsSettings {
             repeats: 5,
             updates: 4_000,
             seed: 1,
+            tree: BakeSettings::default().tree,
         }
     }
 }
