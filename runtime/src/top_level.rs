@@ -12,10 +12,21 @@ const SETTINGS: BvhSettings = BvhSettings {
 };
 
 /// A wide tree in world space over a scene's instances, or an instance's clusters.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct TopLevel {
     builder: BoxTree,
     nodes: Vec<WideNode>,
+    bounds: Aabb,
+}
+
+impl Default for TopLevel {
+    fn default() -> Self {
+        Self {
+            builder: BoxTree::default(),
+            nodes: Vec::new(),
+            bounds: Aabb::EMPTY,
+        }
+    }
 }
 
 impl TopLevel {
@@ -24,6 +35,7 @@ impl TopLevel {
         self.builder.rebuild(ids, bound, &SETTINGS);
         self.nodes.clear();
         self.builder.collapse(&mut self.nodes);
+        self.bounds = self.nodes.first().map_or(Aabb::EMPTY, WideNode::around);
     }
 
     /// Takes the topology of a tree that was built over the same ids, with the boxes of now.
@@ -34,6 +46,7 @@ impl TopLevel {
             self.nodes.clone_from(&topology.nodes);
         }
         refit(&mut self.nodes, bound);
+        self.bounds = self.nodes.first().map_or(Aabb::EMPTY, WideNode::around);
     }
 
     /// The root first; empty until built.
@@ -43,6 +56,6 @@ impl TopLevel {
 
     /// Box around everything; empty where there is nothing.
     pub(crate) fn bounds(&self) -> Aabb {
-        self.nodes.first().map_or(Aabb::EMPTY, WideNode::around)
+        self.bounds
     }
 }

@@ -1,7 +1,7 @@
 use super::Prepared;
 use crate::{
-    Aabb, Affine, Asset,
-    cluster_frame::{ClusterFrame, FrameInputs, Map64, PosedMap, Way, invert_frame},
+    Aabb, Asset,
+    cluster_frame::{ClusterFrame, FrameInputs, Map64, PosedMap, Way, invert_frame, posed_reach},
     excess::{Excess, MeasuredPose, Motions},
     refitted_tree::RefittedTree,
     vertex::reach,
@@ -154,14 +154,16 @@ impl ClusterState {
         excess: &Excess,
     ) -> Option<ClusterFrame> {
         let transform = Map64::new(&prepared.transform);
-        let posed = |x: &Affine| PosedMap::product(&[&transform, &Map64::new(x)]);
-        let palette = &prepared.pose.palette;
+        let (palette, posed) = (&prepared.pose.palette, prepared.posed());
+        let own = cluster.bone as usize;
         let morphed = prepared.morph_extent();
         ClusterFrame::new(&FrameInputs {
-            frame: &posed(&palette[cluster.bone as usize]),
+            frame: &PosedMap::product(&[&transform, &Map64::new(&palette[own])]),
             bounds_local: &cluster.bounds_local,
             reach: reach(asset.model(), cluster, |bone, extent| {
-                posed(&palette[bone as usize]).reach(std::array::from_fn(|k| extent[k] + morphed[k]))
+                let bone = bone as usize;
+                let extent = [extent[0] + morphed[0], extent[1] + morphed[1], extent[2] + morphed[2]];
+                posed_reach(&prepared.transform, &palette[bone], &posed[bone], extent)
             }),
             vertex_error: asset.vertex_error(),
             bounds_world: &self.bounds_world,

@@ -206,6 +206,11 @@ impl Prepared {
         self.whole.get().is_some()
     }
 
+    /// World space from rest space, per bone row.
+    pub(crate) fn posed(&self) -> &[Affine] {
+        &self.posed
+    }
+
     pub(crate) fn caches(&self) -> &[CacheState] {
         &self.caches
     }
@@ -231,9 +236,10 @@ impl Prepared {
             counters.vertex();
             self.recomputed_vertex(model, cache, corner)
         };
+        let [a, b, c] = corners;
         match self.memo.get() {
-            Some(memo) => corners.map(|corner| memo.position(corner, || pose(corner))),
-            None => corners.map(pose),
+            Some(memo) => [a, b, c].map(|corner| memo.position(corner, || pose(corner))),
+            None => [pose(a), pose(b), pose(c)],
         }
     }
 
