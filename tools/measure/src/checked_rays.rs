@@ -106,7 +106,7 @@ pub(crate) fn counted(frame: Frame, rays: &[Ray]) -> (Vec<Option<Hit>>, TraceCou
 mod tests {
     use super::*;
     use restpose_bake::{BakeSettings, NoProgress, bake, import::import, verify::Rays};
-    use restpose_runtime::{Asset, InstanceId, Scene};
+    use restpose_runtime::{Asset, InstanceId, Posing, Scene};
     use std::{path::Path, sync::Arc};
 
     const PLACE: Place = Place::Sample {
@@ -121,6 +121,8 @@ mod tests {
         let bytes = restpose_formats::write(&baked.model).unwrap();
         let mut scene = Scene::new();
         let instance = scene.add(&Arc::new(Asset::from_bytes(&bytes).unwrap()));
+        // Counters then do not depend on the rays that came before.
+        scene.set_posing(instance, Posing::Recomputed).unwrap();
         scene.play(instance, 0, seconds).unwrap();
         (scene, instance)
     }

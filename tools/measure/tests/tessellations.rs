@@ -72,7 +72,7 @@ fn rows_go_by_subdivisions_then_threads_and_their_counts_repeat() {
 #[test]
 fn keys_that_scripts_rely_on_are_there_and_positive() {
     let report = to_value(&*MEASURED).unwrap();
-    assert_eq!(report["schema"], "restpose.measure.tessellations.1");
+    assert_eq!(report["schema"], "restpose.measure.tessellations.2");
     assert_eq!(report["source"], "walker.glb");
     for row in report["rows"].as_array().unwrap() {
         for key in [

@@ -100,6 +100,9 @@ fn sample_times(model: &ModelView, step: f64) -> Vec<(usize, f32)> {
 
 fn remove_last_clip(model: &mut Model) {
     let Some(clip) = model.clips.pop() else { return };
+    if !model.clip_bounds.is_empty() {
+        model.clip_bounds.remove(model.clips.len());
+    }
     model.meta.clip_names.pop();
     let own = &model.channels[clip.channel_first as usize..];
     let times = own.iter().map(|channel| channel.time_first).min();
