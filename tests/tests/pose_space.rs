@@ -139,6 +139,7 @@ fn refused_palettes_leave_nothing_stale() {
     let names = &asset.model().meta.bone_names;
     let mut scene = Scene::new();
     let walker = scene.add(&asset);
+    scene.set_posing(walker, Posing::Recomputed).unwrap();
     let poses = of_family(&animation, &asset, PoseFamily::Ragdoll, 2);
     poses[0].set(&mut scene, walker).unwrap();
     let palette = scene.pose(walker).unwrap().palette;
@@ -192,6 +193,7 @@ fn poses_do_not_depend_on_the_poses_before_them() {
             let after = traced(&scene.commit(), &[instance]);
             let mut fresh = Scene::new();
             let alone = fresh.add(&asset);
+            fresh.set_posing(alone, Posing::Recomputed).unwrap();
             pose.set(&mut fresh, alone).unwrap();
             fresh.set_transform(alone, pose.transform).unwrap();
             assert_eq!(traced(&fresh.commit(), &[alone]), after, "{}: {pose:?}", path.display());

@@ -13,11 +13,12 @@ pub(crate) fn fuzzy_tree() -> KdSettings {
     KdSettings::default()
 }
 
-/// What wide trees are compared by: a test of eight boxes costs as much as a step through a kd-tree. Not measured yet.
+/// What wide trees are compared by: a test of eight boxes takes about as long as a step through a kd-tree (15 to 20 ns), posing
+/// and testing a triangle of which little is remembered three times that (`restpose measure frame`, single rays).
 pub(crate) fn wide_tree() -> BvhSettings {
     BvhSettings {
         traversal_cost: 1.0,
-        intersection_cost: KdSettings::default().intersection_cost,
+        intersection_cost: 3.0,
     }
 }
 
