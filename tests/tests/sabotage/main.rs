@@ -72,7 +72,8 @@ fn a_face_or_plane_one_ulp_inwards_is_seen() {
                 Escaped::Tree,
             ),
         ];
-        let of_wide_trees: [(&str, Sabotage, Escaped); 4] = [
+        // A node's box inside of its child's is refused when the file is read.
+        let of_wide_trees: [(&str, Sabotage, Escaped); 2] = [
             (
                 "box max",
                 |model| model.wide_nodes[0].max[0][0] -= 1,
@@ -83,18 +84,16 @@ fn a_face_or_plane_one_ulp_inwards_is_seen() {
                 |model| model.wide_nodes[1].min[0][0] += 1,
                 Escaped::ReferenceBox,
             ),
-            ("node max", |model| model.wide_nodes[0].max[0][1] -= 1, Escaped::Tree),
-            ("node min", |model| model.wide_nodes[0].min[0][1] += 1, Escaped::Tree),
         ];
         let of_trees = match tree {
-            TreeKind::Kd => of_kd_trees,
-            TreeKind::Wide => of_wide_trees,
+            TreeKind::Kd => &of_kd_trees[..],
+            TreeKind::Wide => &of_wide_trees[..],
         };
-        for (name, sabotage, expected) in of_clusters.into_iter().chain(of_trees) {
+        for (name, sabotage, expected) in of_clusters.iter().chain(of_trees) {
             let mut model = intact.clone();
             sabotage(&mut model);
             let found = escaped(&model, &ENDS);
-            assert!(found.contains(&expected), "{range:?}, {tree:?}, {name}: {found:?}");
+            assert!(found.contains(expected), "{range:?}, {tree:?}, {name}: {found:?}");
         }
     }
 }
