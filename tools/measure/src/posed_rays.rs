@@ -55,7 +55,8 @@ impl PosedRays {
 
         let twin = StaticTwin::new(&frame, instance, asset)?;
         let mut twin_scene = Scene::new();
-        twin_scene.add(&twin.asset);
+        let twin_instance = twin_scene.add(&twin.asset);
+        twin_scene.set_posing(twin_instance, Posing::Remembered)?;
         let frames = [frame, twin_scene.commit()];
 
         frame.prepare();
