@@ -188,7 +188,10 @@ fn keys_that_scripts_rely_on_are_there_and_positive() {
         for row in report[table].as_array().unwrap() {
             assert_eq!(row["scene"], "tentacle.gltf");
             // Wide trees have a triangle per leaf, whose box is tested with others.
-            assert_eq!((&row["triangles_per_leaf"], &row["box_tests"]), (&1.0.into(), &0.0.into()));
+            assert_eq!(
+                (&row["triangles_per_leaf"], &row["box_tests"]),
+                (&1.0.into(), &0.0.into())
+            );
             for key in [
                 "triangles",
                 "samples",
