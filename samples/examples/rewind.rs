@@ -178,7 +178,7 @@ impl Game {
         let from = self.players[shooter].place(tick) + 1.5 * Vec3::Y;
         let line = self.players[target].place(tick) + 1.2 * Vec3::Y - from;
         let length = line.length();
-        if length < 2.0 * REACH || length > RANGE {
+        if !(2.0 * REACH..=RANGE).contains(&length) {
             return None;
         }
         // At length one, so that t counts in metres.
