@@ -75,7 +75,7 @@ fn looks(figures: &[Figure], seconds: f32) -> Looks {
             let chest = to.place(seconds) + CHEST * Vec3::Y;
             let line = chest - eyes;
             let length = line.length();
-            let is_in_reach = length > 2.0 * REACH && length < SIGHT;
+            let is_in_reach = (2.0 * REACH..=SIGHT).contains(&length);
             if is_in_reach && line.dot(from.forward()) > VIEW_COSINE * length {
                 pairs.push([guard, other]);
                 lines.push(Ray {
