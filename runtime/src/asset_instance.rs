@@ -2,7 +2,7 @@ use crate::{
     Aabb, Asset, Pose, PoseEvaluator, Posing,
     instance_state::{InstanceState, PoseSource},
     motion::Motion,
-    posed_bounds::{BoundedPose, motion_bounds, posed_bounds},
+    posed_bounds::{BoundedPose, morph_extent, motion_bounds, posed_bounds},
     posing::PosingLimits,
     prepared::{Prepared, PreparedPool},
 };
@@ -95,7 +95,9 @@ impl AssetInstance {
             let pose = match &self.state.pose {
                 PoseSource::Default => BoundedPose::Clip(None),
                 PoseSource::Clip { clip, .. } => BoundedPose::Clip(Some(*clip)),
-                PoseSource::Given(pose) => BoundedPose::Given(pose),
+                PoseSource::Given(pose) => {
+                    BoundedPose::Given(&pose.palette, morph_extent(asset.model(), &pose.morph_weights))
+                }
             };
             posed_bounds(&asset, &self.state.transform, pose)
         } else {
@@ -140,6 +142,7 @@ impl AssetInstance {
             return Aabb::EMPTY;
         };
         let breakpoints = motion.breakpoints(self.asset().model());
+        let weights = motion.largest_weights();
         let mut prepared = self.pool.take();
         let mut bounds = Aabb::EMPTY;
         for transform in [&self.state.transform, motion.end.transform()] {
@@ -148,6 +151,7 @@ impl AssetInstance {
                     let frame = |cache: &Vec<f64>| cache[at.min(cache.len() - 1)];
                     prepared.prepare(self.asset(), *transform, PosingLimits::NONE, |_, out| {
                         out.clone_from(pose);
+                        out.morph_weights.clone_from(&weights);
                         out.cache_frames.clear();
                         out.cache_frames.extend(breakpoints.iter().map(frame));
                     });

@@ -32,6 +32,13 @@ impl Motion {
         &self.poses
     }
 
+    /// Per morph target, the largest magnitude of its weight.
+    pub(crate) fn largest_weights(&self) -> Vec<f32> {
+        let [a, b] = &self.poses;
+        let weights = a.morph_weights.iter().zip(&b.morph_weights);
+        weights.map(|(a, b)| a.abs().max(b.abs())).collect()
+    }
+
     /// Per vertex cache, the frames between which its vertices move on straight lines: both ends and the keys between them.
     pub(crate) fn breakpoints(&self, model: &ModelView) -> Vec<Vec<f64>> {
         let [a, b] = &self.poses;

@@ -9,7 +9,7 @@
 //! A tighter box of a cluster, by its own bone and its pose's excess, comes with its frame
 //! ([`ClusterFrame`](crate::cluster_frame::ClusterFrame)), which is made when a ray enters this one.
 
-use crate::{Aabb, Affine, Asset, Pose, cluster_frame::SMALLEST_NORMAL, motion::Motion};
+use crate::{Aabb, Affine, Asset, cluster_frame::SMALLEST_NORMAL, motion::Motion};
 use restpose_formats::{
     ModelView,
     geom::round::{UNIT_ROUNDOFF, f32_above, f32_below},
@@ -164,7 +164,8 @@ pub(crate) fn cluster_bounds(asset: &Asset, cluster: &ClusterRow, posed: &[Affin
 pub(crate) enum BoundedPose<'a> {
     /// Any of a clip's, or the one without a clip: bounded in the file, if at all.
     Clip(Option<u32>),
-    Given(&'a Pose),
+    /// A palette, and the [`morph_extent`].
+    Given(&'a [Affine], [f64; 3]),
 }
 
 /// World box of an instance of an asset without vertex caches, from what is in the file or from its palette; `None` where
@@ -184,13 +185,13 @@ pub(crate) fn posed_bounds(asset: &Asset, world_from_asset: &Affine, pose: Bound
                 clip.rest_reach.into(),
             ))
         }
-        BoundedPose::Given(pose) => {
+        BoundedPose::Given(palette, morphed) => {
             let boxes = asset.rest_boxes();
-            let grown = lanes(morph_extent(asset.model(), &pose.morph_weights));
+            let grown = lanes(morphed);
             let mut hull = Hull::EMPTY;
             let mut rest_reach = [0.0f32; 3];
             for (bone, rest) in &boxes.of_bones {
-                hull.add(&pose.palette[*bone as usize], rest, &grown, f32_above(IMAGE_ERROR));
+                hull.add(&palette[*bone as usize], rest, &grown, f32_above(IMAGE_ERROR));
                 for k in 0..3 {
                     rest_reach[k] = rest_reach[k].max(rest.center[k].abs() + rest.half[k] + grown[k]);
                 }
@@ -215,16 +216,18 @@ pub(crate) fn posed_bounds(asset: &Asset, world_from_asset: &Affine, pose: Bound
 /// World box of an instance of an asset without vertex caches throughout a time interval.
 ///
 /// With T(s) and X(s) linear in s, `T(s)·X(s)·p` lies on a parabola whose control points are mixes of `T₀X₀p`, `T₀X₁p`,
-/// `T₁X₀p` and `T₁X₁p`: the box around the boxes of these holds. Rounding T(s) and X(s) to `f32` takes three u of what enters,
+/// `T₁X₀p` and `T₁X₁p`: the box around the boxes of these holds, where p ranges over what the morph weights of both ends reach. Rounding T(s) and X(s) to `f32` takes three u of what enters,
 /// which [`IMAGE_ERROR`] and `in_world` leave room for.
 pub(crate) fn motion_bounds(asset: &Asset, begin: &Affine, motion: &Motion) -> Aabb {
     let transforms = [begin, motion.end.transform()];
+    // Morph weights move as well: each palette meets those of both ends.
+    let morphed = morph_extent(asset.model(), &motion.largest_weights());
     let poses = motion
         .poses()
         .iter()
         .flat_map(|pose| transforms.map(|transform| (transform, pose)));
     poses.fold(Aabb::EMPTY, |bounds, (transform, pose)| {
-        let own = posed_bounds(asset, transform, BoundedPose::Given(pose));
+        let own = posed_bounds(asset, transform, BoundedPose::Given(&pose.palette, morphed));
         bounds.union(own.unwrap_or(EVERYWHERE))
     })
 }

@@ -45,6 +45,10 @@ fn pose(scene: &mut Scene, instance: InstanceId, asset: &Asset, random: &mut fas
             for map in &mut given.palette {
                 map.columns[3][random.usize(..3)] += random.f32() * 0.05;
             }
+            // Ends of a motion with palettes and morphs that have nothing to do with each other.
+            for weight in &mut given.morph_weights {
+                *weight = random.f32() * 8.0 - 4.0;
+            }
             scene
                 .set_palette(instance, &given.palette, &given.morph_weights)
                 .unwrap();

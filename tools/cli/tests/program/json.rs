@@ -7,12 +7,13 @@ use serde_json::Value;
 use std::{collections::BTreeSet, fs, path::Path};
 
 /// Keys whose contents are listed elsewhere or free.
-const OPAQUE: [&str; 5] = [
+const OPAQUE: [&str; 6] = [
     "options",
     "scenes[].verify",
     "seconds",
     "failures[].expected",
     "failures[].found",
+    "clips[].bounds",
 ];
 
 /// The keys in the tables of `JSON.md` under this heading.
