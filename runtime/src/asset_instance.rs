@@ -136,7 +136,7 @@ impl AssetInstance {
     /// World box of an instance with vertex caches throughout the time interval.
     ///
     /// Between the breakpoints, its keys and both ends, a cache's vertices move on straight lines; carried by transform and
-    /// bone, which are linear in time too, they stay within the box around all products of their ends.
+    /// bone, which are linear in time too, they stay within the box around all products of their ends, but for rounding.
     fn cached_motion_bounds(&self) -> Aabb {
         let Some(motion) = &self.motion else {
             return Aabb::EMPTY;
@@ -155,7 +155,7 @@ impl AssetInstance {
                         out.cache_frames.clear();
                         out.cache_frames.extend(breakpoints.iter().map(frame));
                     });
-                    bounds = bounds.union(prepared.bounds());
+                    bounds = bounds.union(prepared.bounds_in_motion(self.asset()));
                 }
             }
         }

@@ -21,7 +21,7 @@ use crate::{
     cache::CacheState,
     cluster_frame::{Map64, PosedMap, posed_map},
     excess::Motions,
-    posed_bounds::{cluster_bounds, morph_extent},
+    posed_bounds::{cluster_bounds, morph_extent, widened_for_motion},
     posing::PosingLimits,
     simd::SimdLevel,
     stats::Count,
@@ -163,6 +163,12 @@ impl Prepared {
     /// Contains every posed vertex that some triangle with area uses.
     pub(crate) fn bounds(&self) -> Aabb {
         self.top_level.bounds()
+    }
+
+    /// The same, widened by what rounding does to vertices that are on their way through a time interval.
+    pub(crate) fn bounds_in_motion(&self, asset: &Asset) -> Aabb {
+        let frames: Vec<_> = self.caches.iter().map(CacheState::time).collect();
+        widened_for_motion(asset, &self.bounds(), &self.transform, &self.pose, &frames)
     }
 
     /// A cluster with its frame.
