@@ -2,7 +2,8 @@ use crate::{
     Aabb, Asset, Pose, PoseEvaluator, Posing,
     instance_state::{InstanceState, PoseSource},
     motion::Motion,
-    posed_bounds::{BoundedPose, morph_extent, motion_bounds, posed_bounds},
+    motion_bounds::motion_bounds,
+    posed_bounds::{BoundedPose, morph_extent, posed_bounds},
     posing::PosingLimits,
     prepared::{Prepared, PreparedPool},
 };

@@ -165,11 +165,11 @@ impl Frame<'_> {
         self.scene.occupied().for_each(|(_, instance)| one(instance));
     }
 
-    /// What was hit, in the source's words.
+    /// What was hit, in the source's words; of a hit at a time, where the instance is at the begin of its motion.
     ///
     /// # Errors
-    /// [`PoseError::UnknownInstance`] for a hit from another scene, or one whose instance was removed since.
-    /// [`PoseError::UnknownTriangle`] for a triangle that the instance does not have.
+    /// [`PoseError::UnknownInstance`] for a hit whose instance was removed since, [`PoseError::UnknownTriangle`] for a triangle
+    /// that the instance does not have. A hit of another scene may name an instance that this one has, too.
     pub fn surface(&self, hit: &Hit) -> Result<SurfacePoint, PoseError> {
         SurfacePoint::new(hit, self.scene.instance(hit.instance)?)
     }

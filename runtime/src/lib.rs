@@ -62,6 +62,7 @@ mod instance;
 mod instance_state;
 mod map;
 mod motion;
+mod motion_bounds;
 mod pose;
 mod pose_space;
 mod posed_bounds;

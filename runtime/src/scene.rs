@@ -127,7 +127,7 @@ impl Scene {
         self.id(index)
     }
 
-    /// Removes an instance. What it holds is freed, and its id means no other instance later.
+    /// Removes an instance. Its id means no other instance later. What was prepared of it serves the next of its asset.
     ///
     /// # Errors
     /// [`PoseError::UnknownInstance`].

@@ -1,14 +1,14 @@
+use super::pool::Spare;
 use std::sync::{
-    Mutex, OnceLock, PoisonError,
+    OnceLock,
     atomic::{AtomicBool, Ordering::Relaxed},
 };
 
-/// Something that one thread makes while others do without, and whose memory is kept for the next pose.
+/// Something that one thread makes while others do without.
 #[derive(Debug, Default)]
 pub(super) struct Kept<T> {
     made: OnceLock<Box<T>>,
     is_claimed: AtomicBool,
-    spare: Mutex<Option<Box<T>>>,
 }
 
 impl<T: Default> Kept<T> {
@@ -17,11 +17,10 @@ impl<T: Default> Kept<T> {
         self.made.get().map(|made| &**made)
     }
 
-    /// The thing, made by `make` out of an old one where nobody has begun to; `None` while another thread makes it.
-    pub(super) fn get_or_make(&self, make: impl FnOnce(&mut T)) -> Option<&T> {
+    /// The thing, made by `make` out of a spare one where nobody has begun to; `None` while another thread makes it.
+    pub(super) fn get_or_make(&self, spare: &Spare<T>, make: impl FnOnce(&mut T)) -> Option<&T> {
         if self.made.get().is_none() && !self.is_claimed.swap(true, Relaxed) {
-            let spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner).take();
-            let mut made = spare.unwrap_or_default();
+            let mut made = spare.take();
             make(&mut made);
             // Nobody else has claimed it.
             let _ = self.made.set(made);
@@ -29,10 +28,10 @@ impl<T: Default> Kept<T> {
         self.get()
     }
 
-    /// Begins a pose.
-    pub(super) fn forget(&mut self) {
+    /// Forgets it.
+    pub(super) fn give_back(&mut self, spare: &Spare<T>) {
         if let Some(made) = self.made.take() {
-            *self.spare.get_mut().unwrap_or_else(PoisonError::into_inner) = Some(made);
+            spare.put(made);
         }
         *self.is_claimed.get_mut() = false;
     }

@@ -1,5 +1,6 @@
-//! What rays need of an instance in its pose: made when a ray first enters its box, without waiting for others, and no
-//! more of it than that ray needs.
+//! What rays need of an instance in its pose: made when a ray first enters its box, and no more of it than that ray needs.
+//! Threads that come at the same time do not wait for each other, but where a single cluster is refitted
+//! ([`RefittedTree`](crate::refitted_tree::RefittedTree)).
 //!
 //! At once: the palette, its product with the instance transform, world boxes of the clusters and the tree over them. When
 //! a ray enters a cluster: its frame, margin and excess ([`cluster_state`]). When it reaches a triangle: its vertices
@@ -21,7 +22,8 @@ use crate::{
     cache::CacheState,
     cluster_frame::{Map64, PosedMap, posed_map},
     excess::Motions,
-    posed_bounds::{cluster_bounds, morph_extent, widened_for_motion},
+    motion_bounds::widened_for_motion,
+    posed_bounds::{cluster_bounds, morph_extent},
     posing::PosingLimits,
     simd::SimdLevel,
     stats::Count,
@@ -40,6 +42,8 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 /// An instance in its pose.
 #[derive(Debug, Default)]
 pub(crate) struct Prepared {
+    /// Unlike that of all others of its pool.
+    number: u32,
     evaluator: PoseEvaluator,
     pub transform: Affine,
     /// Asset space from rest space, and what goes with it.
@@ -76,7 +80,7 @@ impl Prepared {
         evaluate: impl FnOnce(&mut PoseEvaluator, &mut Pose),
     ) {
         let model = asset.model();
-        self.forget();
+        *self.rays.get_mut() = 0;
         self.limits = limits;
         self.transform = transform;
         evaluate(&mut self.evaluator, &mut self.pose);
@@ -93,10 +97,10 @@ impl Prepared {
         self.place_clusters(asset);
     }
 
-    fn forget(&mut self) {
-        *self.rays.get_mut() = 0;
-        self.memo.forget();
-        self.whole.forget();
+    /// Gives back what only many rays need.
+    fn give_back(&mut self, pool: &PreparedPool) {
+        self.memo.give_back(&pool.memos);
+        self.whole.give_back(&pool.wholes);
     }
 
     fn place_clusters(&mut self, asset: &Asset) {
@@ -179,7 +183,7 @@ impl Prepared {
 
     /// Counts rays that enter the instance, and does what so many are worth.
     #[inline]
-    pub(crate) fn enter(&self, asset: &Asset, rays: u32) -> Option<&Whole> {
+    pub(crate) fn enter(&self, pool: &PreparedPool, rays: u32) -> Option<&Whole> {
         let limits = &self.limits;
         // One ray more or less changes no hit. Beyond what matters they are not counted, and threads do not meet here.
         let before = self.rays.load(Relaxed);
@@ -190,11 +194,12 @@ impl Prepared {
             return Some(whole);
         }
         if before >= limits.whole {
-            return self.whole.get_or_make(|whole| whole.pose(self, asset));
+            let pose = |whole: &mut Whole| whole.pose(self, pool.asset());
+            return self.whole.get_or_make(&pool.wholes, pose);
         }
         if before >= limits.remembered {
-            let vertices = asset.model().vertices.len();
-            self.memo.get_or_make(|memo| memo.begin(vertices));
+            let vertices = pool.asset().model().vertices.len();
+            self.memo.get_or_make(&pool.memos, |memo| memo.begin(vertices));
         }
         None
     }

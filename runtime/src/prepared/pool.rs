@@ -1,20 +1,60 @@
-use super::Prepared;
-use crate::Asset;
-use std::sync::{Arc, Mutex, PoisonError};
+use super::{Prepared, Whole};
+use crate::{Asset, vertex_memo::VertexMemo};
+use std::{
+    cmp::Ordering,
+    collections::BinaryHeap,
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicU32, Ordering::Relaxed},
+    },
+};
 
-/// An asset, and what was prepared of its instances and is needed no longer: memory for the next.
+/// An asset, and what was made for its instances and is needed no longer: memory for the next.
+///
+/// What only instances with many rays need is kept apart, so that there is no more of it than such instances at once.
 #[derive(Debug)]
 pub(crate) struct PreparedPool {
     asset: Arc<Asset>,
-    #[expect(clippy::vec_box, reason = "large, and they are moved in and out as they are")]
-    spare: Mutex<Vec<Box<Prepared>>>,
+    prepared: Mutex<BinaryHeap<Numbered>>,
+    /// How many were made.
+    count: AtomicU32,
+    pub wholes: Spare<Whole>,
+    pub memos: Spare<VertexMemo>,
+}
+
+/// The lowest number comes first: the same few are used again, whichever was put back last, so that they are in caches, and
+/// have grown to what is asked of them.
+#[derive(Debug)]
+struct Numbered(Box<Prepared>);
+
+impl PartialEq for Numbered {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Numbered {}
+
+impl PartialOrd for Numbered {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Numbered {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.0.number.cmp(&self.0.number)
+    }
 }
 
 impl PreparedPool {
     pub(crate) fn new(asset: &Arc<Asset>) -> Self {
         Self {
             asset: Arc::clone(asset),
-            spare: Mutex::default(),
+            prepared: Mutex::default(),
+            count: AtomicU32::new(0),
+            wholes: Spare::default(),
+            memos: Spare::default(),
         }
     }
 
@@ -23,11 +63,45 @@ impl PreparedPool {
     }
 
     pub(crate) fn take(&self) -> Box<Prepared> {
-        let spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let spare = self.prepared.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        spare.map_or_else(
+            || {
+                Box::new(Prepared {
+                    number: self.count.fetch_add(1, Relaxed),
+                    ..Prepared::default()
+                })
+            },
+            |Numbered(prepared)| prepared,
+        )
+    }
+
+    pub(crate) fn put(&self, mut prepared: Box<Prepared>) {
+        prepared.give_back(self);
+        self.prepared
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .push(Numbered(prepared));
+    }
+}
+
+/// Things of one kind that are not in use.
+#[derive(Debug)]
+pub(crate) struct Spare<T>(Mutex<Vec<Box<T>>>);
+
+impl<T> Default for Spare<T> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<T: Default> Spare<T> {
+    /// One that is spare, or a new one.
+    pub(super) fn take(&self) -> Box<T> {
+        let spare = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
         spare.unwrap_or_default()
     }
 
-    pub(crate) fn put(&self, prepared: Box<Prepared>) {
-        self.spare.lock().unwrap_or_else(PoisonError::into_inner).push(prepared);
+    pub(super) fn put(&self, thing: Box<T>) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(thing);
     }
 }

@@ -123,7 +123,7 @@ impl Bundle<'_> {
     fn enter_instance<const ANY: bool>(&mut self, index: u32, bundled: &mut Bundled, context: &mut InstanceContext) {
         if let Some(Instance::Asset(instance)) = self.scene.in_slot(index) {
             let rays = (bundled.groups().len() * GROUP) as u32;
-            let whole = instance.prepared().enter(instance.asset(), rays);
+            let whole = instance.prepared().enter(instance.pool(), rays);
             if let Some(whole) = whole.filter(|whole| !whole.nodes.is_empty())
                 && self.enter_whole::<ANY>(self.scene.id(index), instance, whole, bundled, &mut context.stack)
             {

@@ -108,7 +108,7 @@ fn enter_instance<const ANY: bool>(
                 },
                 simd: scene.simd,
             };
-            match actor.prepared.enter(actor.asset, 1) {
+            match actor.prepared.enter(instance.pool(), 1) {
                 Some(whole) if !whole.nodes.is_empty() => {
                     enter_whole::<ANY>(&actor, whole, start, traveller, stack, counters)
                 }
@@ -177,83 +177,62 @@ fn enter_clusters<const ANY: bool>(
         stack,
         counters,
         &mut |slot, traveller, counters| {
-            enter_cluster::<ANY>(actor, slot, is_whole, start, traveller, cluster, counters)
+            enter_cluster::<ANY, _>(actor, slot, is_whole, start, traveller, cluster, counters)
         },
     )
 }
 
-fn enter_cluster<const ANY: bool>(
+fn enter_cluster<const ANY: bool, C: Count>(
     actor: &Actor,
     slot: u32,
     is_whole: bool,
     start: f32,
     traveller: &mut Traveller,
     context: &mut ClusterContext,
-    counters: &mut impl Count,
+    counters: &mut C,
 ) -> bool {
     counters.cluster();
     let Actor {
-        id, asset, prepared, ..
+        id,
+        asset,
+        prepared,
+        simd,
     } = *actor;
-    let (state, posed) = prepared.cluster(asset, slot, &mut context.motions);
+    let ClusterContext { stack, binary, motions } = context;
+    let (state, posed) = prepared.cluster(asset, slot, motions);
     let model = asset.model();
     let row = &model.clusters[state.row as usize];
+    let (origin, direction) = (traveller.origin, traveller.direction);
+    let mut test = |triangle: u32, traveller: &mut Traveller, counters: &mut C| {
+        counters.triangle();
+        let corners = prepared.pose_triangle(model, state.cache, triangle, counters);
+        traveller.test(&corners, id, triangle) && ANY
+    };
+    let pose = |triangle| prepared.pose_triangle(model, state.cache, triangle, &mut ());
     let refit_after = if is_whole { 0 } else { posed.refit_after };
     let refitted = refit_after != u32::MAX && state.refitted.is_worth_it(refit_after);
     match (&posed.frame.way, model.meta.tree) {
         (Way::Posed(tree), _) => {
-            let mut test = |triangle: u32, traveller: &mut Traveller, counters: &mut _| {
-                Count::triangle(counters);
-                let corners = prepared.pose_triangle(model, state.cache, triangle, counters);
-                traveller.test(&corners, id, triangle) && ANY
-            };
             let tree = &prepared.trees[*tree as usize];
-            walk_posed(tree, start, traveller, &mut context.binary, counters, &mut test)
+            walk_posed(tree, start, traveller, binary, counters, &mut test)
         }
         (Way::Local(local), TreeKind::Wide) if !refitted => {
-            let slab = local.enter(traveller.origin, traveller.direction, &posed.frame.bounds_world);
+            let slab = local.enter(origin, direction, &posed.frame.bounds_world);
             if slab.clip(&row.bounds_local, (start, traveller.limit)).is_none() {
                 return false;
             }
-            wide::walk(
-                actor.simd,
-                asset.wide_nodes(state.row),
-                0,
-                &LatticeRay::new(&slab, &row.bounds_local, asset.box_steps(state.row)),
-                start,
-                traveller,
-                &mut context.stack,
-                counters,
-                &mut |triangle, traveller, counters| {
-                    counters.triangle();
-                    let corners = prepared.pose_triangle(model, state.cache, triangle, counters);
-                    traveller.test(&corners, id, triangle) && ANY
-                },
-            )
+            let ray = LatticeRay::new(&slab, &row.bounds_local, asset.box_steps(state.row));
+            let nodes = asset.wide_nodes(state.row);
+            wide::walk(simd, nodes, 0, &ray, start, traveller, stack, counters, &mut test)
         }
         (Way::Local(_) | Way::Refitted, TreeKind::Wide) => {
-            let rows = asset.wide_nodes(state.row);
-            let pose = |triangle| prepared.pose_triangle(model, state.cache, triangle, &mut ());
-            let nodes = state.refitted.wide(rows, pose);
-            let slab = SlabRay::in_world(traveller.origin, traveller.direction, &nodes[0].around());
-            wide::walk(
-                actor.simd,
-                nodes,
-                0,
-                &WideRay::new(&slab),
-                start,
-                traveller,
-                &mut context.stack,
-                counters,
-                &mut |triangle, traveller, counters| {
-                    counters.triangle();
-                    let corners = prepared.pose_triangle(model, state.cache, triangle, counters);
-                    traveller.test(&corners, id, triangle) && ANY
-                },
-            )
+            let nodes = state.refitted.wide(asset.wide_nodes(state.row), pose);
+            let slab = SlabRay::in_world(origin, direction, &nodes[0].around());
+            let ray = WideRay::new(&slab);
+            wide::walk(simd, nodes, 0, &ray, start, traveller, stack, counters, &mut test)
         }
         (Way::Local(local), TreeKind::Kd) if !refitted => {
-            let slab = local.enter(traveller.origin, traveller.direction, &posed.frame.bounds_world);
+            let slab = local.enter(origin, direction, &posed.frame.bounds_world);
             let Some(range) = slab.clip(&row.bounds_local, (start, traveller.limit)) else {
                 return false;
             };
@@ -262,59 +241,33 @@ fn enter_cluster<const ANY: bool>(
             let boxes = &model.reference_boxes[row.reference_first as usize..][..row.reference_count as usize];
             let lattice = LatticeRay::new(&slab, &row.bounds_local, asset.box_steps(state.row));
             let mut mailbox = Mailbox::EMPTY;
-            let mut test = |triangle: u32, traveller: &mut Traveller, counters: &mut _| {
-                if !mailbox.insert(triangle) {
-                    return false;
-                }
-                Count::triangle(counters);
-                let corners = prepared.pose_triangle(model, state.cache, triangle, counters);
-                traveller.test(&corners, id, triangle) && ANY
-            };
-            let mut visit = |leaf: Range<usize>, traveller: &mut Traveller, counters: &mut _| {
+            let mut visit = |leaf: Range<usize>, traveller: &mut Traveller, counters: &mut C| {
                 boxes[leaf.clone()]
                     .iter()
                     .zip(&references[leaf])
                     .any(|(bounds, triangle)| {
-                        Count::fuzzy_box(counters);
-                        lattice.meets(bounds, (start, traveller.limit)) && test(*triangle, traveller, counters)
+                        counters.fuzzy_box();
+                        lattice.meets(bounds, (start, traveller.limit))
+                            && mailbox.insert(*triangle)
+                            && test(*triangle, traveller, counters)
                     })
             };
-            walk(
-                nodes,
-                &slab,
-                range,
-                traveller,
-                &mut context.binary,
-                counters,
-                &mut visit,
-            )
+            walk(nodes, &slab, range, traveller, binary, counters, &mut visit)
         }
         (Way::Local(_) | Way::Refitted, TreeKind::Kd) => {
             let nodes = &model.kd_nodes[row.node_first as usize..][..row.node_count as usize];
             let rows = row.reference_first as usize..(row.reference_first + row.reference_count) as usize;
             let references = &model.references[rows.clone()];
             let first = &asset.first_references()[rows];
-            let pose = |triangle| prepared.pose_triangle(model, state.cache, triangle, &mut ());
             let boxes = state.refitted.boxes(nodes, references, first, pose);
             let tree = RefittedBoxes { nodes, boxes };
-            let slab = SlabRay::in_world(traveller.origin, traveller.direction, &boxes[0]);
-            let mut visit = |leaf: Range<usize>, traveller: &mut Traveller, counters: &mut _| {
+            let slab = SlabRay::in_world(origin, direction, &boxes[0]);
+            let mut visit = |leaf: Range<usize>, traveller: &mut Traveller, counters: &mut C| {
                 let own = references[leaf.clone()].iter().zip(&first[leaf]);
-                own.filter(|(_, first)| **first).any(|(triangle, _)| {
-                    Count::triangle(counters);
-                    let corners = prepared.pose_triangle(model, state.cache, *triangle, counters);
-                    traveller.test(&corners, id, *triangle) && ANY
-                })
+                own.filter(|(_, first)| **first)
+                    .any(|(triangle, _)| test(*triangle, traveller, counters))
             };
-            walk_hierarchy(
-                &tree,
-                &slab,
-                start,
-                traveller,
-                &mut context.binary,
-                counters,
-                &mut visit,
-            )
+            walk_hierarchy(&tree, &slab, start, traveller, binary, counters, &mut visit)
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::{
 };
 use std::{
     collections::{HashMap, hash_map::Entry},
-    sync::Arc,
+    sync::{Arc, Weak},
 };
 
 /// Moving instances, each at the time of the last ray of this thread that met it: rays of one time that follow each other
@@ -19,7 +19,8 @@ pub(super) struct Moments {
 
 struct Moment {
     time: f32,
-    pool: Arc<PreparedPool>,
+    /// A thread that traces no more keeps no asset.
+    pool: Weak<PreparedPool>,
     prepared: Box<Prepared>,
 }
 
@@ -28,7 +29,9 @@ impl Moments {
     pub(super) fn at(&mut self, commit: u64, index: u32, instance: &AssetInstance, time: f32) -> &Prepared {
         if std::mem::replace(&mut self.commit, commit) != commit {
             for (_, moment) in self.all.drain() {
-                moment.pool.put(moment.prepared);
+                if let Some(pool) = moment.pool.upgrade() {
+                    pool.put(moment.prepared);
+                }
             }
         }
         let moment = match self.all.entry(index) {
@@ -41,7 +44,7 @@ impl Moments {
             }
             Entry::Vacant(entry) => entry.insert(Moment {
                 time,
-                pool: Arc::clone(instance.pool()),
+                pool: Arc::downgrade(instance.pool()),
                 prepared: instance.pool().take(),
             }),
         };
