@@ -1,4 +1,4 @@
-use crate::{AimedRays, Landmarks};
+use crate::{AimedRays, Landmarks, kd_twin};
 use restpose_bake::verify::{Oracle, Rays};
 use restpose_runtime::{Affine, Asset, Frame, Hit, InstanceId, Posing, Ray, Scene};
 use std::sync::Arc;
@@ -9,6 +9,9 @@ pub struct Stage {
     /// The scene. Instances are added by [`Stage::add`].
     pub scene: Scene,
     actors: Vec<(InstanceId, Arc<Asset>, Affine)>,
+    /// The same instances with kd-trees: every comparison is made with both.
+    twins: Scene,
+    kd_twins: Vec<(Arc<Asset>, Arc<Asset>)>,
 }
 
 impl Stage {
@@ -63,13 +66,43 @@ impl Stage {
     /// # Panics
     /// Where they differ by a bit.
     pub fn assert_equals_brute_force(&mut self, name: &str, rays: usize, seed: u64) -> usize {
+        self.commit_twins();
+        let mut twins = std::mem::take(&mut self.twins);
+        let twin_frame = twins.commit();
         let (frame, oracle, marks) = self.commit();
         let ordinary = Rays::new(&oracle, seed).take(rays);
-        let mut hits = assert_rays_equal(name, &frame, &oracle, ordinary);
-        if !marks.triangles.is_empty() {
-            hits += assert_rays_equal(name, &frame, &oracle, AimedRays::new(&marks, seed).take(rays));
+        let aimed = (!marks.triangles.is_empty()).then(|| AimedRays::new(&marks, seed).take(rays));
+        let rays: Vec<Ray> = ordinary.chain(aimed.into_iter().flatten()).collect();
+        let hits = assert_rays_equal(name, &frame, &oracle, rays.iter().copied());
+        for ray in &rays {
+            let (wide, kd) = (frame.closest_hit(ray), twin_frame.closest_hit(ray));
+            assert_eq!(hit_bits(kd), hit_bits(wide), "{name}, kd-trees: {ray:?}");
         }
+        self.twins = twins;
         hits
+    }
+
+    /// Brings the scene with kd-trees into the state of the other.
+    fn commit_twins(&mut self) {
+        for (instance, asset, _) in self.actors.iter().skip(self.twin_count()) {
+            let known = self.kd_twins.iter().find(|(own, _)| Arc::ptr_eq(own, asset));
+            let twin = known.map_or_else(|| kd_twin(asset), |(_, twin)| Arc::clone(twin));
+            if known.is_none() {
+                self.kd_twins.push((Arc::clone(asset), Arc::clone(&twin)));
+            }
+            let added = self.twins.add(&twin);
+            assert_eq!(added, *instance, "the same order");
+            self.twins.set_posing(added, Posing::Recomputed).unwrap();
+        }
+        for (instance, ..) in &self.actors {
+            let state = self.scene.state(*instance).unwrap();
+            self.twins.set_state(*instance, &state).unwrap();
+        }
+    }
+
+    fn twin_count(&self) -> usize {
+        let exists = |(instance, ..): &&(InstanceId, Arc<Asset>, Affine)| self.twins.state(*instance).is_ok();
+        self.actors.iter().filter(exists).count()
     }
 }
 

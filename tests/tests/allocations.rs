@@ -6,7 +6,7 @@ use restpose_bake::{
     verify::{DrawnPose, PoseSource, Poses},
 };
 use restpose_formats::Bounds;
-use restpose_runtime::{Affine, Asset, Ray, Scene};
+use restpose_runtime::{Affine, Asset, Posing, Ray, Scene};
 use restpose_tests::{baked_asset, baked_with, sample_scenes};
 use std::{
     alloc::{GlobalAlloc, Layout, System},
@@ -18,21 +18,26 @@ struct Counting;
 
 thread_local! {
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+    /// That were allocated and not yet freed.
+    static BYTES: Cell<i64> = const { Cell::new(0) };
 }
 
 // SAFETY: every call is passed on to the system allocator unchanged; counting touches no memory that it manages.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        BYTES.with(|bytes| bytes.set(bytes.get() + layout.size() as i64));
         // SAFETY: the caller's promise about `layout` is passed on.
         unsafe { System.alloc(layout) }
     }
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        BYTES.with(|bytes| bytes.set(bytes.get() - layout.size() as i64));
         // SAFETY: `pointer` came from `System` with this layout, as the caller promises of `Counting`.
         unsafe { System.dealloc(pointer, layout) }
     }
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        BYTES.with(|bytes| bytes.set(bytes.get() + size as i64 - layout.size() as i64));
         // SAFETY: as for `dealloc`, and `size` is the caller's promise.
         unsafe { System.realloc(pointer, layout, size) }
     }
@@ -72,8 +77,8 @@ fn assert_allocates_nothing(name: &str, asset: &Arc<Asset>, poses: &[DrawnPose])
     let target = scene.commit().bounds().center();
     let target = [target[0] + 1.0, target[1], target[2]];
     let mut outside = 0;
-    // The first laps may grow buffers: which instance gets which of them is not the same in each.
-    for lap in 0..4 {
+    // The first lap may grow buffers: a top level of overlapping clusters has more references than a loose one.
+    for lap in 0..2 {
         let before = ALLOCATIONS.with(Cell::get);
         let mut hits = 0;
         for (step, pose) in poses.iter().enumerate() {
@@ -101,7 +106,69 @@ fn assert_allocates_nothing(name: &str, asset: &Arc<Asset>, poses: &[DrawnPose])
         }
         let allocated = ALLOCATIONS.with(Cell::get) - before;
         assert!(hits > 0, "{name}");
-        assert!(lap < 3 || allocated == 0, "{name}: {allocated} allocations");
+        assert!(lap == 0 || allocated == 0, "{name}: {allocated} allocations");
     }
     outside
+}
+
+/// An instance that no ray touches is little more than its transform, its clip and its time, in a crowd of any size.
+#[test]
+fn untouched_instances_are_small() {
+    let (_, asset) = baked_asset(&sample_scenes()[0]);
+    let before = BYTES.with(Cell::get);
+    let mut scene = Scene::new();
+    let count = 100_000;
+    for place in 0..count {
+        let instance = scene.add(&asset);
+        let at = Affine::from_translation([(place % 400) as f32 * 3.0, 0.0, (place / 400) as f32 * 3.0]);
+        scene.set_transform(instance, at).unwrap();
+        scene.play(instance, 0, place as f32 * 0.01).unwrap();
+    }
+    let frame = scene.commit();
+    let ray = Ray::new([600.0, 50.0, 300.0], [0.0, -1.0, 0.0]);
+    let _ = frame.closest_hit(&ray);
+    assert!(frame.stats().instances_entered < 20, "{:?}", frame.stats());
+    let each = (BYTES.with(Cell::get) - before) / count;
+    assert!(each < 1024, "{each} bytes an instance");
+}
+
+/// One instance in turn has many rays: what is posed for it is posed in the memory of the last.
+#[test]
+fn memory_of_whole_instances_is_used_again() {
+    let (_, asset) = baked_asset(&sample_scenes()[0]);
+    let mut scene = Scene::new();
+    let instances: Vec<_> = (0..40).map(|_| scene.add(&asset)).collect();
+    let mut grown = 0;
+    let mut random = fastrand::Rng::with_seed(4);
+    for round in 0..200 {
+        let before = BYTES.with(Cell::get);
+        let chosen = random.usize(..instances.len());
+        for (at, instance) in instances.iter().enumerate() {
+            let posing = if at == chosen {
+                Posing::Whole
+            } else {
+                Posing::Recomputed
+            };
+            scene.set_posing(*instance, posing).unwrap();
+            scene.play(*instance, 0, round as f32 * 0.01).unwrap();
+        }
+        let frame = scene.commit();
+        let mut order: Vec<usize> = (0..instances.len()).collect();
+        random.shuffle(&mut order);
+        for at in order {
+            let _ = frame.vertex(instances[at], 0);
+        }
+        let center = frame.bounds().center();
+        let ray = Ray::new([center[0] + 0.01, center[1] + 90.0, center[2]], [0.0, -1.0, 0.0]);
+        let _ = frame.closest_hit(&ray);
+        assert_eq!(frame.stats().instances_whole, 1);
+        if round > 0 {
+            grown += BYTES.with(Cell::get) - before;
+        }
+    }
+    let whole = 12 * asset.model().vertices.len() as i64;
+    assert!(
+        grown < whole,
+        "{grown} bytes in 200 frames, {whole} for positions alone"
+    );
 }

@@ -6,7 +6,7 @@ use restpose_bake::{
     verify::{PoseFamily, PoseSource, VerifyReport, VerifySettings, verify},
 };
 use restpose_formats::Bounds;
-use restpose_tests::{CacheRecipe, Motion, baked_with, random_cache, sample_scenes};
+use restpose_tests::{CacheRecipe, Motion, baked_with, kd_twin, random_cache, sample_scenes};
 
 fn verified(animation: &Animation, settings: &BakeSettings, source: PoseSource, rays: u64, poses: u64) -> VerifyReport {
     let asset = baked_with(animation, settings);
@@ -16,7 +16,13 @@ fn verified(animation: &Animation, settings: &BakeSettings, source: PoseSource, 
         pose_source: Some(source),
         seed: 6,
     };
-    verify(&asset, animation, &settings, &NoProgress).unwrap()
+    let report = verify(&asset, animation, &settings, &NoProgress).unwrap();
+    let twin = verify(&kd_twin(&asset), animation, &settings, &NoProgress).unwrap();
+    assert_eq!(twin.hits, report.hits);
+    if asset.model().meta.bounds == Bounds::Envelope {
+        assert_equals_brute_force("kd-trees", &twin);
+    }
+    report
 }
 
 #[track_caller]

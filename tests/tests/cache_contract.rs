@@ -7,7 +7,7 @@ use restpose_bake::{
     verify::{VerifyReport, VerifySettings, verify},
 };
 use restpose_runtime::Asset;
-use restpose_tests::{CacheRecipe, Motion, random_cache};
+use restpose_tests::{CacheRecipe, Motion, kd_twin, random_cache};
 use std::sync::Arc;
 
 fn verified(animation: &Animation, settings: &BakeSettings, rays: u64) -> Option<(Baked, VerifyReport)> {
@@ -25,6 +25,13 @@ fn verified(animation: &Animation, settings: &BakeSettings, rays: u64) -> Option
         seed: 3,
     };
     let report = verify(&asset, animation, &settings, &NoProgress).unwrap_or_else(|error| panic!("{error}"));
+    let twin = verify(&kd_twin(&asset), animation, &settings, &NoProgress).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(
+        (twin.missed, twin.wrong, twin.hits),
+        (0, 0, report.hits),
+        "kd-trees: {:#?}",
+        twin.failures
+    );
     Some((baked, report))
 }
 

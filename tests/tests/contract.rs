@@ -6,9 +6,9 @@ use restpose_bake::{
     import::Animation,
     verify::{Oracle, PoseSource, Rays, VerifyReport, VerifySettings, verify},
 };
-use restpose_formats::Bounds;
+use restpose_formats::{Bounds, TreeKind};
 use restpose_runtime::{Affine, Asset, Hit, Posing, Ray, Scene};
-use restpose_tests::{Recipe, baked_asset, baked_with, random_animation, source_scenes};
+use restpose_tests::{Recipe, baked_asset, baked_with, kd_twin, random_animation, source_scenes};
 use std::sync::Arc;
 
 /// Vertices are evaluated in `f64` and rounded to `f32` a few times; eight chained roundings of numbers a few times the
@@ -24,10 +24,10 @@ fn hits_equal_brute_force_on_every_scene() {
         let name = path.display().to_string();
         assert_equals_brute_force(&name, &animation, &asset);
         let settings = BakeSettings {
-            bounds: Bounds::Envelope,
+            tree: TreeKind::Kd,
             ..BakeSettings::default()
         };
-        let name = format!("{name}, envelopes");
+        let name = format!("{name}, kd-trees");
         assert_equals_brute_force(&name, &animation, &baked_with(&animation, &settings));
     }
 }
@@ -79,7 +79,15 @@ fn verify_random(
         pose_source: source,
         seed: 3,
     };
-    verify(&asset, animation, &settings, &NoProgress).unwrap()
+    let report = verify(&asset, animation, &settings, &NoProgress).unwrap();
+    let twin = verify(&kd_twin(&asset), animation, &settings, &NoProgress).unwrap();
+    assert_eq!(
+        (twin.missed, twin.wrong, twin.hits),
+        (0, 0, report.hits),
+        "kd-trees: {:#?}",
+        twin.failures
+    );
+    report
 }
 
 proptest! {

@@ -6,7 +6,7 @@ use restpose_bake::{
     BakeSettings, LimitSettings, PoseSpace,
     verify::{Oracle, PoseSource, Poses, Rays},
 };
-use restpose_formats::Bounds;
+use restpose_formats::{Bounds, TreeKind};
 use restpose_runtime::{Affine, Posing, Scene};
 use restpose_tests::{Recipe, baked_with, random_animation};
 
@@ -69,6 +69,7 @@ fn compare(seed: u64) -> Found {
             pose_samples: pose_space.is_random().then_some(50),
             pose_space,
             envelopes: [1, 2, 16][seed as usize % 3],
+            tree: TreeKind::ALL[seed as usize / 4 % 2],
             ..BakeSettings::default()
         },
     );
