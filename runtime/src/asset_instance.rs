@@ -4,7 +4,7 @@ use crate::{
     motion::Motion,
     motion_bounds::motion_bounds,
     posed_bounds::{BoundedPose, morph_extent, posed_bounds},
-    posing::PosingLimits,
+    posing::{Expected, PosingLimits},
     prepared::{Prepared, PreparedPool},
 };
 use restpose_formats::ModelView;
@@ -18,8 +18,7 @@ pub(crate) struct AssetInstance {
     /// Memory for a pose of the caller's, from when it had one.
     spare_pose: Option<Arc<Pose>>,
     pub posing: Posing,
-    /// Rays that entered it in the last frame, as far as they were counted.
-    last_rays: u32,
+    expected: Expected,
     /// Where it goes during the time interval, if anywhere.
     motion: Option<Box<Motion>>,
     /// World space, as of the last commit.
@@ -36,7 +35,7 @@ impl AssetInstance {
             state: InstanceState::NEW,
             spare_pose: None,
             posing: Posing::Chosen,
-            last_rays: 0,
+            expected: Expected::NOTHING,
             motion: None,
             bounds: Aabb::EMPTY,
             prepared: OnceLock::new(),
@@ -75,9 +74,9 @@ impl AssetInstance {
 
     /// Bounds it for the state that it has now, and forgets what was prepared for another.
     pub(crate) fn update(&mut self) {
-        self.last_rays = 0;
-        if let Some(prepared) = self.prepared.take() {
-            self.last_rays = prepared.rays();
+        let prepared = self.prepared.take();
+        self.expected.after(prepared.as_ref().map(|prepared| prepared.demand()));
+        if let Some(prepared) = prepared {
             self.pool.put(prepared);
         }
         let asset = Arc::clone(self.asset());
@@ -115,7 +114,7 @@ impl AssetInstance {
         }
         let mut prepared = self.pool.take();
         let InstanceState { transform, pose } = &self.state;
-        let limits = self.asset().posing_limits().of(self.posing, self.last_rays);
+        let limits = self.asset().posing_limits().of(self.posing, &self.expected);
         prepared.prepare(self.asset(), *transform, limits, |evaluator, out| {
             pose.evaluate(self.asset().model(), evaluator, out);
         });

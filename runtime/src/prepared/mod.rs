@@ -24,7 +24,7 @@ use crate::{
     excess::Motions,
     motion_bounds::widened_for_motion,
     posed_bounds::{cluster_bounds, morph_extent},
-    posing::PosingLimits,
+    posing::{Demand, PosingLimits},
     simd::SimdLevel,
     stats::Count,
     top_level::TopLevel,
@@ -37,7 +37,6 @@ use restpose_formats::{
     ModelView,
     rows::{ClusterRow, NONE},
 };
-use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// An instance in its pose.
 #[derive(Debug, Default)]
@@ -62,8 +61,7 @@ pub(crate) struct Prepared {
     limits: PosingLimits,
     /// The stretch of the clip that it is a pose of.
     pub stretch: Option<usize>,
-    /// Rays that entered the instance, as far as they are counted.
-    rays: AtomicU32,
+    demand: Demand,
     memo: Kept<VertexMemo>,
     whole: Kept<Whole>,
 }
@@ -80,7 +78,7 @@ impl Prepared {
         evaluate: impl FnOnce(&mut PoseEvaluator, &mut Pose),
     ) {
         let model = asset.model();
-        *self.rays.get_mut() = 0;
+        self.demand.begin();
         self.limits = limits;
         self.transform = transform;
         evaluate(&mut self.evaluator, &mut self.pose);
@@ -181,32 +179,36 @@ impl Prepared {
         (state, state.posed(self, asset, motions))
     }
 
-    /// Counts rays that enter the instance, and does what so many are worth.
+    /// Does what the rays that came are worth, for so many that enter now. Where that is not the whole, they are to be
+    /// [counted](Self::count) when it is known what they cost.
     #[inline]
     pub(crate) fn enter(&self, pool: &PreparedPool, rays: u32) -> Option<&Whole> {
         let limits = &self.limits;
-        // One ray more or less changes no hit. Beyond what matters they are not counted, and threads do not meet here.
-        let before = self.rays.load(Relaxed);
-        if before < limits.counted {
-            self.rays.fetch_add(rays, Relaxed);
-        }
         if let Some(whole) = self.whole.get() {
+            self.demand.count_later(rays, limits);
             return Some(whole);
         }
-        if before >= limits.whole {
+        // A little more or less changes no hit.
+        let work = self.demand.work();
+        if work >= limits.whole {
             let pose = |whole: &mut Whole| whole.pose(self, pool.asset());
             return self.whole.get_or_make(&pool.wholes, pose);
         }
-        if before >= limits.remembered {
+        if work >= limits.remembered {
             let vertices = pool.asset().model().vertices.len();
             self.memo.get_or_make(&pool.memos, |memo| memo.begin(vertices));
         }
         None
     }
 
-    /// Rays that entered it, as far as they are counted.
-    pub(crate) fn rays(&self) -> u32 {
-        self.rays.load(Relaxed)
+    /// Counts a ray that tested so many triangles on its way through the clusters.
+    #[inline]
+    pub(crate) fn count(&self, tests: u32) {
+        self.demand.count(tests, &self.limits);
+    }
+
+    pub(crate) fn demand(&self) -> &Demand {
+        &self.demand
     }
 
     pub(crate) fn is_remembered(&self) -> bool {

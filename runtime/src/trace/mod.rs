@@ -113,8 +113,12 @@ fn enter_instance<const ANY: bool>(
                     enter_whole::<ANY>(&actor, whole, start, traveller, stack, counters)
                 }
                 whole => {
-                    let is_whole = whole.is_some();
-                    enter_clusters::<ANY>(&actor, is_whole, start, traveller, (stack, cluster), counters)
+                    let (is_whole, before) = (whole.is_some(), traveller.tests);
+                    let is_over = enter_clusters::<ANY>(&actor, is_whole, start, traveller, (stack, cluster), counters);
+                    if !is_whole {
+                        actor.prepared.count(traveller.tests.wrapping_sub(before));
+                    }
+                    is_over
                 }
             }
         }

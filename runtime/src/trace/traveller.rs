@@ -13,6 +13,8 @@ pub(super) struct Traveller {
     pub(super) best: Option<Hit>,
     /// Scaled `t` beyond which no box matters.
     pub(super) limit: f32,
+    /// Triangles tested so far.
+    pub(super) tests: u32,
 }
 
 impl Traveller {
@@ -34,6 +36,7 @@ impl Traveller {
             scale,
             best: None,
             limit: f32::INFINITY,
+            tests: 0,
         };
         out.limit = out.limit_behind(ray.t_max);
         Some((out, start))
@@ -46,6 +49,7 @@ impl Traveller {
     /// Tests one posed triangle; true when it is the best hit so far.
     #[inline]
     pub(super) fn test(&mut self, corners: &[[f32; 3]; 3], instance: InstanceId, triangle: u32) -> bool {
+        self.tests = self.tests.wrapping_add(1);
         let Some(found) = self.prepared.intersect(corners) else {
             return false;
         };
