@@ -19,6 +19,10 @@ use restpose_formats::{
 /// Roundings of an image of a box in `f32`, twice over.
 pub(crate) const IMAGE_ERROR: f64 = 32.0 * UNIT_ROUNDOFF;
 
+/// 2⁻⁹⁶, more than the least normal number, so that no product with [`IMAGE_ERROR`] is subnormal: processors take a hundred
+/// cycles for one of those (a third of a crowd's frame went there).
+const FLOOR: f32 = 1.0 / (1u128 << 96) as f32;
+
 /// Magnitudes up to this cannot have overflowed on their way.
 pub(crate) const LARGEST: f32 = f32::MAX / 8.0;
 
@@ -102,13 +106,13 @@ impl Hull {
     fn add(&mut self, map: &Affine, rest: &RestBox, grown: &[f32; 4], error: f32) {
         let [x, y, z, offset] = map.columns.map(|[x, y, z]| [x, y, z, 0.0f32]);
         let half: [f32; 4] = std::array::from_fn(|k| rest.half[k] + grown[k]);
-        let reach: [f32; 4] = std::array::from_fn(|k| (rest.center[k].abs() + half[k]) + f32::MIN_POSITIVE);
+        let reach: [f32; 4] = std::array::from_fn(|k| (rest.center[k].abs() + half[k]) + FLOOR);
         for k in 0..4 {
             let middle = ((x[k] * rest.center[0] + y[k] * rest.center[1]) + z[k] * rest.center[2]) + offset[k];
             let spread = (x[k].abs() * half[0] + y[k].abs() * half[1]) + z[k].abs() * half[2];
-            let [x, y, z, offset] = [&x, &y, &z, &offset].map(|column| column[k].abs() + f32::MIN_POSITIVE);
+            let [x, y, z, offset] = [&x, &y, &z, &offset].map(|column| column[k].abs() + FLOOR);
             let entering = ((x * reach[0] + y * reach[1]) + z * reach[2]) + offset;
-            let spread = spread + (error * entering + f32::MIN_POSITIVE);
+            let spread = spread + (error * entering + FLOOR);
             let (min, max) = (middle - spread, middle + spread);
             self.min[k] = if min < self.min[k] { min } else { self.min[k] };
             self.max[k] = if max > self.max[k] { max } else { self.max[k] };
