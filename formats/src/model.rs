@@ -3,8 +3,8 @@ use crate::{
     rows::{
         BoneEnvelopeRow, BoneRow, CacheRow, ChannelRow, ClipBoundsRow, ClipRow, ClusterBoneRow, ClusterMorphRow,
         ClusterRow, InfluenceRow, KdNodeRow, KeyRow, KeyVertexRow, LeverRow, MorphDeltaRow, MorphEnvelopeRow,
-        MorphSetRow, MorphTargetRow, NodeRow, PartRow, PoseSpaceRow, PrimitiveRow, ReferenceBoxRow, SampleRow,
-        SegmentRow, TrackRow, TriangleRow, VertexRow, WideNodeRow,
+        MorphSetRow, MorphTargetRow, NodeMoverRow, NodeRow, PartRow, PoseSpaceRow, PrimitiveRow, ReferenceBoxRow,
+        SampleRow, SegmentRow, TrackRow, TriangleRow, VertexRow, WideNodeRow,
     },
 };
 
@@ -146,6 +146,8 @@ sections! {
     kd_nodes: KdNodeRow,
     /// Nodes of all fuzzy trees, where these are wide.
     wide_nodes: WideNodeRow,
+    /// Bones that the boxes of wide nodes follow, those of a node together.
+    node_movers: NodeMoverRow,
     /// Triangle ids in the leaves of all fuzzy trees, and those in free motion.
     references: u32,
     /// Fuzzy box of each reference's triangle; empty in wide trees, whose nodes have it.

@@ -1,8 +1,8 @@
 use crate::rows::{
     BoneEnvelopeRow, BoneRow, CacheRow, ChannelRow, ClipBoundsRow, ClipRow, ClusterBoneRow, ClusterMorphRow,
     ClusterRow, InfluenceRow, KdNodeRow, KeyRow, KeyVertexRow, LeverRow, MorphDeltaRow, MorphEnvelopeRow, MorphSetRow,
-    MorphTargetRow, NodeRow, PartRow, PoseSpaceRow, PrimitiveRow, ReferenceBoxRow, SampleRow, SegmentRow, TrackRow,
-    TriangleRow, VertexRow, WideNodeRow,
+    MorphTargetRow, NodeMoverRow, NodeRow, PartRow, PoseSpaceRow, PrimitiveRow, ReferenceBoxRow, SampleRow, SegmentRow,
+    TrackRow, TriangleRow, VertexRow, WideNodeRow,
 };
 use bytemuck::{Pod, Zeroable};
 use std::fmt;
@@ -71,6 +71,7 @@ section_kinds! {
     ClusterBones b"CBON" ClusterBoneRow: "Cluster bones.",
     KdNodes b"KDND" KdNodeRow: "Nodes of the fuzzy kd-trees.",
     WideNodes b"WDND" WideNodeRow: "Nodes of the wide fuzzy trees.",
+    NodeMovers b"NMOV" NodeMoverRow: "Bones that the boxes of wide nodes follow.",
     References b"REFS" u32: "Triangle ids in the leaves.",
     ReferenceBoxes b"RBOX" ReferenceBoxRow: "Fuzzy boxes of the triangles in the leaves.",
     PoseSpaces b"PSPC" PoseSpaceRow: "Pose spaces of the clusters.",

@@ -91,7 +91,7 @@ fn place(kind: SectionKind, bytes: &[u8], end: u64) -> Option<SectionEntry> {
 }
 
 /// The sections in file order. A new field of the model that is not written here does not compile.
-fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKind, &'a [u8]); 35] {
+fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKind, &'a [u8]); 36] {
     let ModelView {
         hashes: _,
         meta: _,
@@ -122,6 +122,7 @@ fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKin
         cluster_bones,
         kd_nodes,
         wide_nodes,
+        node_movers,
         references,
         reference_boxes,
         pose_spaces,
@@ -159,6 +160,7 @@ fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKin
         (SectionKind::ClusterBones, cast_slice(cluster_bones)),
         (SectionKind::KdNodes, cast_slice(kd_nodes)),
         (SectionKind::WideNodes, cast_slice(wide_nodes)),
+        (SectionKind::NodeMovers, cast_slice(node_movers)),
         (SectionKind::References, cast_slice(references)),
         (SectionKind::ReferenceBoxes, cast_slice(reference_boxes)),
         (SectionKind::PoseSpaces, cast_slice(pose_spaces)),

@@ -7,7 +7,7 @@ use crate::{
 };
 use restpose_formats::{
     FormatError, ModelView, TreeKind,
-    rows::{ClusterRow, NONE, WideNodeRow, box_steps},
+    rows::{ClusterRow, NONE, RestLattice, WideNodeRow, box_steps},
 };
 use std::{io, path::Path};
 
@@ -18,6 +18,8 @@ pub struct Asset {
     cache_vertex_error: f64,
     /// Per cluster row: steps of the lattice of its triangles' boxes.
     box_steps: Vec<[f32; 3]>,
+    /// Per cluster row.
+    rest_lattices: Vec<RestLattice>,
     pose_spaces: PoseSpaces,
     /// Per reference row of kd-trees: whether it is the first of its triangle in its cluster.
     first_references: Vec<bool>,
@@ -100,6 +102,11 @@ impl Asset {
         };
         let clusters = view.clusters.iter();
         let box_steps = clusters.map(|cluster| box_steps(&cluster.bounds_local)).collect();
+        let bones = |cluster: &ClusterRow| {
+            &view.cluster_bones[cluster.cluster_bone_first as usize..][..cluster.cluster_bone_count as usize]
+        };
+        let clusters = view.clusters.iter();
+        let rest_lattices = clusters.map(|cluster| RestLattice::new(bones(cluster))).collect();
         let mut top_level = TopLevel::default();
         if view.caches.is_empty() {
             let bounds = |cluster: u32| view.clusters[cluster as usize].bounds_local;
@@ -114,6 +121,7 @@ impl Asset {
             vertex_error,
             cache_vertex_error,
             box_steps,
+            rest_lattices,
             pose_spaces,
             first_references,
             clusters_without_track,
@@ -217,6 +225,11 @@ impl Asset {
     /// What poses of its clusters are measured against.
     pub(crate) fn pose_spaces(&self) -> &PoseSpaces {
         &self.pose_spaces
+    }
+
+    /// The lattice of a cluster's boxes that follow the pose.
+    pub(crate) fn rest_lattice(&self, cluster: u32) -> &RestLattice {
+        &self.rest_lattices[cluster as usize]
     }
 
     /// Steps of the lattice on which the boxes of a cluster's triangles are.

@@ -282,6 +282,8 @@ pub(crate) struct LocalFrame {
     center_local: [f32; 3],
     /// Points 1 to 4, and the terms of 6 and 7 in the size of the local box.
     margin_local: [f32; 3],
+    /// The same for boxes that follow the pose, and so need no excess.
+    margin_posed: [f32; 3],
     /// [`RAY_ERROR`]`·Σ|L|` per local axis.
     margin_per_distance: [f32; 3],
 }
@@ -303,6 +305,10 @@ pub(crate) struct FrameInputs<'a> {
     pub bounds_world: &'a Aabb,
     /// Bounds, per local axis, by how much fuzzy positions leave the fuzzy boxes in this pose.
     pub excess: [f64; 3],
+    /// Bounds, per local axis, by how much they leave the boxes that follow the pose: [`MoverMaps::error`].
+    ///
+    /// [`MoverMaps::error`]: crate::mover_maps::MoverMaps::error
+    pub posed_error: [f64; 3],
 }
 
 /// Relative error of the vertex function and of the palette entries that it reads, from
@@ -349,6 +355,7 @@ impl ClusterFrame {
         });
 
         let mut margin_local = [0.0f32; 3];
+        let mut margin_posed = [0.0f32; 3];
         let mut margin_per_distance = [0.0f32; 3];
         for k in 0..3 {
             // Point 3: R, its rounding in f64 bounded beside it.
@@ -372,9 +379,10 @@ impl ClusterFrame {
             let box_rounding = 32.0 * UNIT_ROUNDOFF * (f64::from(center_local[k].abs()) + extent[k]);
             let scale = l[k][0].abs() + l[k][1].abs() + l[k][2].abs();
             let own = residual + moved + box_rounding + F64_SLACK * rounding + UNDERFLOW_FLOOR * (1.0 + scale);
-            let margin = own + inputs.excess[k];
             // The last factor: point 7 relative to the margin itself, and its sum with the ray's part.
-            margin_local[k] = f32_above(margin * (1.0 + 8.0 * UNIT_ROUNDOFF));
+            let rounded = |margin: f64| f32_above(margin * (1.0 + 8.0 * UNIT_ROUNDOFF));
+            margin_local[k] = rounded(own + inputs.excess[k]);
+            margin_posed[k] = rounded(own + inputs.posed_error[k]);
             margin_per_distance[k] = f32_above(f64::from(RAY_ERROR) * scale);
         }
         let local = LocalFrame {
@@ -382,6 +390,7 @@ impl ClusterFrame {
             center_world,
             center_local,
             margin_local,
+            margin_posed,
             margin_per_distance,
         };
         let finite = local
@@ -537,9 +546,15 @@ impl LatticeRay {
     /// its rate is so small that rounding is no longer relative to it, boxes restrict nothing.
     #[inline]
     pub(crate) fn new(ray: &SlabRay, bounds: &Aabb, steps: &[f32; 3]) -> Self {
+        Self::within(ray, bounds.min, *steps, f32::from(u16::MAX))
+    }
+
+    /// As [`LatticeRay::new`], for planes that are up to so many steps from the lattice's zero.
+    #[inline]
+    pub(crate) fn within(ray: &SlabRay, zero: [f32; 3], steps: [f32; 3], most_steps: f32) -> Self {
         let forward = ray.inverse_direction.map(f32::is_sign_positive);
         let plane = |k: usize, towards_max: bool| {
-            let relative = bounds.min[k] - ray.origin[k];
+            let relative = zero[k] - ray.origin[k];
             let widened = if towards_max {
                 relative + ray.margin[k]
             } else {
@@ -556,7 +571,7 @@ impl LatticeRay {
         for k in 0..3 {
             let rate = out.rate[k].abs();
             let small = |t: f32| t.abs() < f32::MAX / 4.0;
-            let in_range = small(out.near[k]) && small(out.far[k]) && small(f32::from(u16::MAX) * rate);
+            let in_range = small(out.near[k]) && small(out.far[k]) && small(most_steps * rate);
             let precise = rate >= f32::MIN_POSITIVE || steps[k] == 0.0;
             if !(in_range && precise) {
                 out.rate[k] = f32::NAN;
@@ -585,9 +600,10 @@ impl LatticeRay {
 }
 
 impl LocalFrame {
-    /// The ray in local space, with this cluster's margin for it. `t` is the same in both spaces.
+    /// The ray in local space, with this cluster's margin for it, and the margin for boxes that follow the pose. `t` is the
+    /// same in both spaces.
     #[inline]
-    pub(crate) fn enter(&self, origin: [f32; 3], direction: [f32; 3], bounds_world: &Aabb) -> SlabRay {
+    pub(crate) fn enter(&self, origin: [f32; 3], direction: [f32; 3], bounds_world: &Aabb) -> (SlabRay, [f32; 3]) {
         let from_center: [f32; 3] = std::array::from_fn(|k| origin[k] - self.center_world[k]);
         let product = |v: [f32; 3], k: usize| {
             let row = self.linear[k];
@@ -595,18 +611,20 @@ impl LocalFrame {
         };
         let far = distance(origin, bounds_world);
         let origin: [f32; 3] = std::array::from_fn(|k| product(from_center, k) + self.center_local[k]);
-        SlabRay {
+        // Where the origin, or its distance to a plane, may have overflowed, no plane restricts the ray.
+        let with = |own: &[f32; 3], k: usize| {
+            if origin[k].abs() <= EXTENT_LIMIT as f32 {
+                own[k] + self.margin_per_distance[k] * far
+            } else {
+                f32::INFINITY
+            }
+        };
+        let ray = SlabRay {
             origin,
             inverse_direction: std::array::from_fn(|k| 1.0 / product(direction, k)),
-            // Where the origin, or its distance to a plane, may have overflowed, no plane restricts the ray.
-            margin: std::array::from_fn(|k| {
-                if origin[k].abs() <= EXTENT_LIMIT as f32 {
-                    self.margin_local[k] + self.margin_per_distance[k] * far
-                } else {
-                    f32::INFINITY
-                }
-            }),
-        }
+            margin: std::array::from_fn(|k| with(&self.margin_local, k)),
+        };
+        (ray, std::array::from_fn(|k| with(&self.margin_posed, k)))
     }
 
     /// The largest part of the margin that does not depend on the ray, relative to nothing: local units.

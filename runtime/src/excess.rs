@@ -417,7 +417,7 @@ fn norm(numbers: &[f64]) -> f64 {
 
 /// `‖L·X − I‖∞` for a computed inverse L, its own rounding included: `X⁻¹ − L = −(L·X − I)·X⁻¹`, so it bounds the
 /// relative error of everything that L maps.
-fn inverse_error(inverse: &[[f64; 3]; 3], own: &[[f64; 3]; 4]) -> f64 {
+pub(crate) fn inverse_error(inverse: &[[f64; 3]; 3], own: &[[f64; 3]; 4]) -> f64 {
     inverse.iter().enumerate().fold(0.0, |worst, (k, row)| {
         let sum: f64 = (0..3)
             .map(|j| {

@@ -63,6 +63,7 @@ mod instance_state;
 mod map;
 mod motion;
 mod motion_bounds;
+mod mover_maps;
 mod pose;
 mod pose_space;
 mod posed_bounds;

@@ -52,20 +52,32 @@ pub fn kd_twin(asset: &Asset) -> Arc<Asset> {
     Arc::new(Asset::from_bytes(&bytes).unwrap_or_else(|error| panic!("{error}")))
 }
 
-/// The triangles of a wide tree with their boxes.
+/// The triangles of a wide tree with their fuzzy boxes; where nodes follow the pose instead, with that of the last node
+/// above that has one.
 fn leaves(nodes: &[WideNodeRow]) -> Vec<(u32, ReferenceBoxRow)> {
-    let of_node = |node: &WideNodeRow| {
-        let places = node.children().enumerate();
-        let leaves = places.filter_map(|(place, child)| match child {
-            WideChild::Leaf(triangle) => {
-                let [min, max] = [&node.min, &node.max].map(|corner| corner.map(|axis| axis[place]));
-                Some((triangle, ReferenceBoxRow { min, max }))
+    let mut above = vec![
+        ReferenceBoxRow {
+            min: [0; 3],
+            max: [u16::MAX; 3],
+        };
+        nodes.len()
+    ];
+    let mut out = Vec::new();
+    for (at, node) in nodes.iter().enumerate() {
+        for (place, child) in node.children().enumerate() {
+            let [min, max] = [&node.min, &node.max].map(|corner| corner.map(|axis| axis[place]));
+            let own = match node.mover_count {
+                0 => ReferenceBoxRow { min, max },
+                _ => above[at],
+            };
+            match child {
+                WideChild::Leaf(triangle) => out.push((triangle, own)),
+                WideChild::Node(index) => above[index as usize] = own,
+                WideChild::Empty => {}
             }
-            _ => None,
-        });
-        leaves.collect::<Vec<_>>()
-    };
-    nodes.iter().flat_map(of_node).collect()
+        }
+    }
+    out
 }
 
 /// The box of a row in a cluster's local space, no smaller, and within the cluster's.

@@ -45,7 +45,10 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
 fn check_other_trees(view: &ModelView<'_>) -> Result<(), FormatError> {
     let tree = view.meta.tree;
     let counts: &[(SectionKind, usize)] = match tree {
-        TreeKind::Kd => &[(SectionKind::WideNodes, view.wide_nodes.len())],
+        TreeKind::Kd => &[
+            (SectionKind::WideNodes, view.wide_nodes.len()),
+            (SectionKind::NodeMovers, view.node_movers.len()),
+        ],
         TreeKind::Wide => &[
             (SectionKind::KdNodes, view.kd_nodes.len()),
             (SectionKind::ReferenceBoxes, view.reference_boxes.len()),

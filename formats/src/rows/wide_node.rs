@@ -4,11 +4,14 @@ use bytemuck::{Pod, Zeroable};
 /// No path from a root to a leaf has more nodes; traversal stacks have seven places for each.
 pub const MAX_WIDE_DEPTH: usize = 32;
 
-/// A node of a wide fuzzy tree: eight children with their boxes, in 128 bytes.
+/// A node of a wide fuzzy tree: eight children with their boxes, in 136 bytes.
 ///
-/// Boxes are on the lattice of their cluster's [`bounds_local`](super::ClusterRow::bounds_local), whose steps are
-/// [`box_steps`](super::box_steps), as those of [`ReferenceBoxRow`](super::ReferenceBoxRow) are. A box of a node is around
-/// the boxes of the node's children; that of a triangle is its fuzzy box.
+/// Boxes of a node without movers are on the lattice of their cluster's [`bounds_local`](super::ClusterRow::bounds_local),
+/// whose steps are [`box_steps`](super::box_steps), as those of [`ReferenceBoxRow`](super::ReferenceBoxRow) are: they hold
+/// what is below them in the whole pose space; that of a triangle is its fuzzy box. Boxes of a node with movers are on the
+/// cluster's [`RestLattice`](super::RestLattice) and hold the rest positions of what is below them; its
+/// [`NodeMoverRow`](super::NodeMoverRow)s say how they follow a pose. A box is around the boxes of the child's places where
+/// the child is of the same kind.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct WideNodeRow {
@@ -18,6 +21,10 @@ pub struct WideNodeRow {
     pub max: [[u16; 8]; 3],
     /// Packed [`WideChild`]ren. Empty places come last.
     pub children: [u32; 8],
+    /// First node-mover row.
+    pub mover_first: u32,
+    /// Node-mover rows; those of the nodes follow each other.
+    pub mover_count: u32,
 }
 
 /// What stands in one of a wide node's eight places.
@@ -75,6 +82,8 @@ impl WideNodeRow {
         min: [[u16::MAX; 8]; 3],
         max: [[u16::MAX; 8]; 3],
         children: [WideChild::EMPTY; 8],
+        mover_first: 0,
+        mover_count: 0,
     };
 
     /// What stands in its places, up to the first empty one.
@@ -101,6 +110,6 @@ mod tests {
         ] {
             assert_eq!(WideChild::unpack(child.pack()), child);
         }
-        assert_eq!(size_of::<WideNodeRow>(), 128);
+        assert_eq!(size_of::<WideNodeRow>(), 136);
     }
 }

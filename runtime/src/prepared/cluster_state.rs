@@ -3,6 +3,7 @@ use crate::{
     Aabb, Asset,
     cluster_frame::{ClusterFrame, FrameInputs, Map64, PosedMap, Way, invert_frame, posed_reach},
     excess::{Excess, MeasuredPose, Motions},
+    mover_maps::MoverMaps,
     refitted_tree::RefittedTree,
     vertex::reach,
 };
@@ -42,6 +43,8 @@ pub(crate) struct PosedCluster {
     pub frame: ClusterFrame,
     /// How far the pose is from the poses that the cluster's boxes were made for.
     pub excess: Excess,
+    /// How its bones move against it.
+    pub movers: MoverMaps,
     /// Rays that enter it before it is refitted for its excess; `u32::MAX` for never.
     pub refit_after: u32,
 }
@@ -51,6 +54,7 @@ impl PosedCluster {
         Self {
             frame,
             excess: Excess::NONE,
+            movers: MoverMaps::NONE,
             refit_after: u32::MAX,
         }
     }
@@ -111,11 +115,28 @@ impl ClusterState {
             return PosedCluster::without_excess(refitted());
         };
         let excess = self.excess(prepared, asset, cluster, &inverse, motions);
+        let model = asset.model();
+        let movers = if model.node_movers.is_empty() {
+            MoverMaps::NONE
+        } else {
+            let bones =
+                &model.cluster_bones[cluster.cluster_bone_first as usize..][..cluster.cluster_bone_count as usize];
+            let palette = &prepared.pose.palette;
+            MoverMaps::new(
+                asset.rest_lattice(self.row),
+                bones,
+                cluster.bone,
+                &inverse,
+                palette,
+                prepared.morph_extent(),
+            )
+        };
         PosedCluster {
             frame: self
-                .bone_frame(prepared, asset, cluster, &excess)
+                .bone_frame(prepared, asset, cluster, &excess, &movers)
                 .unwrap_or_else(refitted),
             excess,
+            movers,
             refit_after: refit_after(cluster, &excess),
         }
     }
@@ -152,6 +173,7 @@ impl ClusterState {
         asset: &Asset,
         cluster: &ClusterRow,
         excess: &Excess,
+        movers: &MoverMaps,
     ) -> Option<ClusterFrame> {
         let transform = Map64::new(&prepared.transform);
         let (palette, posed) = (&prepared.pose.palette, prepared.posed());
@@ -168,6 +190,7 @@ impl ClusterState {
             vertex_error: asset.vertex_error(),
             bounds_world: &self.bounds_world,
             excess: excess.local,
+            posed_error: movers.error,
         })
     }
 
@@ -183,6 +206,7 @@ impl ClusterState {
             vertex_error: asset.cache_vertex_error(),
             bounds_world: &self.bounds_world,
             excess: Excess::NONE.local,
+            posed_error: MoverMaps::NONE.error,
         })
     }
 }

@@ -15,6 +15,7 @@ pub(crate) trait Lanes: Copy {
     fn widen8(self, from: &[u16; 8]) -> Self::F8;
     fn add8(self, a: Self::F8, b: Self::F8) -> Self::F8;
     fn sub8(self, a: Self::F8, b: Self::F8) -> Self::F8;
+    fn abs8(self, a: Self::F8) -> Self::F8;
     fn mul8(self, a: Self::F8, b: Self::F8) -> Self::F8;
     fn div8(self, a: Self::F8, b: Self::F8) -> Self::F8;
     fn min8(self, a: Self::F8, b: Self::F8) -> Self::F8;

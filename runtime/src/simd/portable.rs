@@ -44,6 +44,11 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn abs8(self, a: [f32; 8]) -> [f32; 8] {
+        a.map(f32::abs)
+    }
+
+    #[inline(always)]
     fn mul8(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
         std::array::from_fn(|k| a[k] * b[k])
     }

@@ -24,12 +24,13 @@ use crate::{
     box_tree::BoxTree,
     cluster_frame::{LatticeRay, SlabRay, Way},
     instance::Instance,
+    mover_maps::MOST_STEPS,
     prepared::{Prepared, Whole},
     refitted_tree::RefittedBoxes,
     scene::Scene,
     simd::SimdLevel,
     stats::Count,
-    wide::{self, WideRay, WideStack},
+    wide::{self, FuzzyRay, WideRay, WideStack},
 };
 use context::{ClusterContext, InstanceContext};
 use mailbox::Mailbox;
@@ -221,11 +222,21 @@ fn enter_cluster<const ANY: bool, C: Count>(
             walk_posed(tree, start, traveller, binary, counters, &mut test)
         }
         (Way::Local(local), TreeKind::Wide) if !refitted => {
-            let slab = local.enter(origin, direction, &posed.frame.bounds_world);
+            let (slab, margin_posed) = local.enter(origin, direction, &posed.frame.bounds_world);
             if slab.clip(&row.bounds_local, (start, traveller.limit)).is_none() {
                 return false;
             }
-            let ray = LatticeRay::new(&slab, &row.bounds_local, asset.box_steps(state.row));
+            let rest = asset.rest_lattice(state.row);
+            let follows = SlabRay {
+                margin: margin_posed,
+                ..slab
+            };
+            let ray = FuzzyRay {
+                fuzzy: LatticeRay::new(&slab, &row.bounds_local, asset.box_steps(state.row)),
+                posed: LatticeRay::within(&follows, rest.origin, [rest.step; 3], MOST_STEPS),
+                motions: &posed.movers,
+                movers: model.node_movers,
+            };
             let nodes = asset.wide_nodes(state.row);
             wide::walk(simd, nodes, 0, &ray, start, traveller, stack, counters, &mut test)
         }
@@ -236,7 +247,7 @@ fn enter_cluster<const ANY: bool, C: Count>(
             wide::walk(simd, nodes, 0, &ray, start, traveller, stack, counters, &mut test)
         }
         (Way::Local(local), TreeKind::Kd) if !refitted => {
-            let slab = local.enter(origin, direction, &posed.frame.bounds_world);
+            let (slab, _) = local.enter(origin, direction, &posed.frame.bounds_world);
             let Some(range) = slab.clip(&row.bounds_local, (start, traveller.limit)) else {
                 return false;
             };

@@ -1,6 +1,5 @@
 use super::{WideNode, WideRay};
-use crate::{cluster_frame::LatticeRay, simd::Lanes};
-use restpose_formats::rows::WideNodeRow;
+use crate::simd::Lanes;
 
 /// A node with eight boxes that an `R` can meet: a ray, or several at once.
 pub(crate) trait WideBoxes<R> {
@@ -39,30 +38,5 @@ impl WideBoxes<WideRay> for WideNode {
             }
         }
         (enter, met)
-    }
-}
-
-impl WideBoxes<LatticeRay> for WideNodeRow {
-    #[inline(always)]
-    fn children(&self) -> &[u32; 8] {
-        &self.children
-    }
-
-    #[inline(always)]
-    fn meet<S: Lanes>(&self, simd: S, ray: &LatticeRay, start: f32, limit: f32) -> (S::F8, u32) {
-        let (mut enter, mut exit) = (simd.splat8(start), simd.splat8(limit));
-        for k in 0..3 {
-            let (near, far) = if ray.forward[k] {
-                (&self.min[k], &self.max[k])
-            } else {
-                (&self.max[k], &self.min[k])
-            };
-            let rate = simd.splat8(ray.rate[k]);
-            let near = simd.add8(simd.mul8(simd.widen8(near), rate), simd.splat8(ray.near[k]));
-            let far = simd.add8(simd.mul8(simd.widen8(far), rate), simd.splat8(ray.far[k]));
-            enter = simd.max8(near, enter);
-            exit = simd.min8(far, exit);
-        }
-        (enter, simd.le8(enter, exit))
     }
 }

@@ -14,6 +14,7 @@
 mod boxes;
 mod bundle;
 mod collapse;
+mod fuzzy_ray;
 mod node;
 mod packet;
 #[cfg(test)]
@@ -27,6 +28,7 @@ mod tests;
 mod walk;
 
 pub(crate) use collapse::collapse;
+pub(crate) use fuzzy_ray::FuzzyRay;
 pub(crate) use node::{WideNode, append_rows};
 pub(crate) use packet::{Bundled, PACKET, Packet};
 pub(crate) use ray::WideRay;

@@ -3,6 +3,7 @@ use crate::{
     Aabb,
     build::{Bvh, BvhSettings, CheckedBoxes, StreamedBvh},
     cluster_frame::{LatticeRay, SlabRay},
+    mover_maps::MoverMaps,
     simd::SimdLevel,
 };
 use fastrand::Rng;
@@ -253,6 +254,16 @@ fn certainly_meets_nearly(origin: [f32; 3], direction: [f32; 3], bounds: &Aabb, 
     certainly_meets(origin, direction, &bounds, (0.0, limit))
 }
 
+/// A ray for nodes without movers.
+fn fuzzy_ray(ray: LatticeRay) -> FuzzyRay<'static> {
+    FuzzyRay {
+        fuzzy: ray,
+        posed: ray,
+        motions: &MoverMaps::NONE,
+        movers: &[],
+    }
+}
+
 /// The same tree on the lattice of its bounds.
 fn on_lattice(nodes: &[WideNode], bounds: &Aabb) -> Vec<WideNodeRow> {
     let row = |node: &WideNode| {
@@ -287,8 +298,9 @@ fn rows_are_entered_as_their_boxes_one_by_one() {
                 slab.margin[random.usize(..3)] = f32::INFINITY;
             }
             let ray = LatticeRay::new(&slab, &bounds, &box_steps(&bounds));
-            let mut met = visits(SimdLevel::Portable, &rows, &ray, range, None);
-            assert_eq!(met, visits(SimdLevel::detect(), &rows, &ray, range, None));
+            let fuzzy = fuzzy_ray(ray);
+            let mut met = visits(SimdLevel::Portable, &rows, &fuzzy, range, None);
+            assert_eq!(met, visits(SimdLevel::detect(), &rows, &fuzzy, range, None));
             met.sort_unstable();
             let alone = (0u32..).zip(&boxes);
             let alone = alone.filter(|(_, fuzzy)| ray.meets(&ReferenceBoxRow::around(fuzzy, &bounds), range));
@@ -331,7 +343,13 @@ fn empty_places_are_not_entered_by_rays_that_nothing_restricts() {
             forward: [true; 3],
         };
         assert_eq!(
-            visits(level, &[WideNodeRow::EMPTY], &nothing, (0.0, f32::INFINITY), None),
+            visits(
+                level,
+                &[WideNodeRow::EMPTY],
+                &fuzzy_ray(nothing),
+                (0.0, f32::INFINITY),
+                None
+            ),
             []
         );
     }

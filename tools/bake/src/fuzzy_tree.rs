@@ -4,12 +4,13 @@ use crate::{
     BakeError,
     assemble::row_count,
     cost::{fuzzy_tree, wide_tree},
+    posed_nodes::FollowedCluster,
 };
 use restpose_builders::bvh::{WideBuilder, WideBvh};
 use restpose_formats::{
     Model, TreeKind,
     geom::Aabb,
-    rows::{ClusterRow, KdNodeRow, ReferenceBoxRow, WideChild, WideNodeRow},
+    rows::{ClusterRow, KdNodeRow, NodeMoverRow, ReferenceBoxRow, WideChild, WideNodeRow},
 };
 use restpose_runtime::build::{CheckedBoxes, KdBuilder, KdTree, sah_cost};
 
@@ -17,7 +18,8 @@ use restpose_runtime::build::{CheckedBoxes, KdBuilder, KdTree, sah_cost};
 #[derive(Clone, Debug)]
 pub(crate) enum FuzzyTree {
     Kd(KdTree),
-    Wide(WideBvh),
+    /// With the movers of its nodes.
+    Wide(WideBvh, Vec<NodeMoverRow>),
 }
 
 /// Builds trees of one kind; keeps its memory from one to the next.
@@ -51,17 +53,25 @@ impl FuzzyTreeBuilder {
                 let built = CheckedBoxes::new(&finite).map(|checked| self.wide.build(checked, &mut tree));
                 // What is refused, no box or too many of them, leaves a tree without nodes, which the format refuses.
                 debug_assert!(built != Ok(Ok(())) || tree.validate(&finite) == Ok(()));
-                FuzzyTree::Wide(tree)
+                FuzzyTree::Wide(tree, Vec::new())
             }
         }
     }
 }
 
 impl FuzzyTree {
+    /// Lets boxes of nodes follow the pose where that pays; of kd-trees none can. `triangle` says which row of a triangle a box
+    /// is of.
+    pub(crate) fn follow(&mut self, cluster: &FollowedCluster, triangle: impl Fn(u32) -> u32) {
+        if let Self::Wide(tree, movers) = self {
+            *movers = cluster.follow(tree, triangle);
+        }
+    }
+
     pub(crate) fn bounds(&self) -> Aabb {
         match self {
             Self::Kd(tree) => tree.bounds,
-            Self::Wide(tree) => tree.bounds,
+            Self::Wide(tree, _) => tree.bounds,
         }
     }
 
@@ -69,7 +79,7 @@ impl FuzzyTree {
     pub(crate) fn cost(&self) -> f64 {
         match self {
             Self::Kd(tree) => sah_cost(&tree.nodes, &tree.bounds, &fuzzy_tree()),
-            Self::Wide(tree) => tree.sah_cost(&wide_tree()),
+            Self::Wide(tree, _) => tree.sah_cost(&wide_tree()),
         }
     }
 
@@ -81,7 +91,11 @@ impl FuzzyTree {
                 tree.nodes.len() * size_of::<KdNodeRow>()
                     + tree.references.len() * (reference + size_of::<ReferenceBoxRow>())
             }
-            Self::Wide(tree) => tree.nodes.len() * size_of::<WideNodeRow>() + tree.references.len() * reference,
+            Self::Wide(tree, movers) => {
+                tree.nodes.len() * size_of::<WideNodeRow>()
+                    + size_of_val(&movers[..])
+                    + tree.references.len() * reference
+            }
         }
     }
 
@@ -99,7 +113,7 @@ impl FuzzyTree {
     ) -> Result<(), BakeError> {
         let (nodes, references) = match self {
             Self::Kd(tree) => (model.kd_nodes.len(), &tree.references),
-            Self::Wide(tree) => (model.wide_nodes.len(), &tree.references),
+            Self::Wide(tree, _) => (model.wide_nodes.len(), &tree.references),
         };
         cluster.node_first = row_count("tree nodes", nodes)?;
         cluster.reference_first = row_count("triangle references", model.references.len())?;
@@ -117,11 +131,17 @@ impl FuzzyTree {
                     .reference_boxes
                     .extend(boxes.map(|fuzzy| ReferenceBoxRow::around(fuzzy, &tree.bounds)));
             }
-            Self::Wide(tree) => {
+            Self::Wide(tree, movers) => {
                 cluster.node_count = row_count("tree nodes", tree.nodes.len())?;
                 let first = model.wide_nodes.len();
                 model.wide_nodes.extend_from_slice(&tree.nodes);
                 row_count("tree nodes", model.wide_nodes.len())?;
+                let first_mover = row_count("movers of tree nodes", model.node_movers.len())?;
+                model.node_movers.extend_from_slice(movers);
+                row_count("movers of tree nodes", model.node_movers.len())?;
+                for node in &mut model.wide_nodes[first..] {
+                    node.mover_first += first_mover;
+                }
                 for word in model.wide_nodes[first..].iter_mut().flat_map(|node| &mut node.children) {
                     if let WideChild::Leaf(place) = WideChild::unpack(*word) {
                         *word = leaf_of(triangle(place))?;

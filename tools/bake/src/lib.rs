@@ -11,6 +11,7 @@ mod fuzzy_tree;
 pub mod import;
 mod motion;
 mod pipeline;
+mod posed_nodes;
 mod poses;
 mod progress;
 mod report;

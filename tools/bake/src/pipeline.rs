@@ -83,7 +83,7 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
     }
 
     progress.stage("build", carried.len() as u64);
-    trees::add_clusters(&mut model, carried.clone(), settings.tree, progress)?;
+    trees::add_clusters(&mut model, carried.clone(), &sampled, settings.tree, progress)?;
     for (cluster, space) in spaces.iter().enumerate() {
         space.add_rows(&mut model, cluster)?;
     }

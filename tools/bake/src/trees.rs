@@ -1,4 +1,7 @@
-use crate::{BakeError, Progress, assemble::row_count, fuzzy_tree::FuzzyTreeBuilder, motion::Carried};
+use crate::{
+    BakeError, Progress, assemble::row_count, fuzzy_tree::FuzzyTreeBuilder, motion::Carried,
+    posed_nodes::FollowedCluster, poses::SampledPose,
+};
 use rayon::prelude::*;
 use restpose_formats::{
     Model, TreeKind,
@@ -10,6 +13,7 @@ use restpose_formats::{
 pub(crate) fn add_clusters(
     model: &mut Model,
     mut carried: Vec<Carried>,
+    poses: &[SampledPose],
     kind: TreeKind,
     progress: &dyn Progress,
 ) -> Result<(), BakeError> {
@@ -21,14 +25,21 @@ pub(crate) fn add_clusters(
             || FuzzyTreeBuilder::new(kind),
             |builder, group| {
                 let boxes: Vec<Aabb> = group.iter().map(|carried| carried.fuzzy_box).collect();
-                let tree = builder.build(&boxes);
+                let mut tree = builder.build(&boxes);
+                let cluster_bones = cluster_bones(model, group);
+                let cluster = FollowedCluster {
+                    model,
+                    bone: group[0].bone,
+                    cluster_bones: &cluster_bones,
+                    poses,
+                };
+                tree.follow(&cluster, |place| group[place as usize].triangle);
                 progress.advance(group.len() as u64);
-                (boxes, tree)
+                (boxes, tree, cluster_bones)
             },
         )
         .collect();
-    for (group, (boxes, tree)) in groups.into_iter().zip(built) {
-        let cluster_bones = cluster_bones(model, group);
+    for (group, (boxes, tree, cluster_bones)) in groups.into_iter().zip(built) {
         let mut cluster = ClusterRow {
             bone: group[0].bone,
             node_first: 0,
