@@ -27,7 +27,7 @@ pub use header::{FEATURE_SAMPLED_BOUNDS, Header, KNOWN_REQUIRED_FEATURES, MAGIC}
 pub use meta::{Bounds, Meta, TreeKind};
 pub use meta_codec::{META_LIMIT, MetaFault};
 pub use model::{Hashes, Model, ModelView};
-pub use read::read;
+pub use read::{read, read_written};
 pub use row_fault::RowFault;
 pub use section::{SECTION_ALIGN, SectionCode, SectionEntry, SectionKind};
 pub use version::FormatVersion;

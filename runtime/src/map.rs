@@ -27,7 +27,10 @@ impl Storage {
     }
 }
 
-/// A checked file and the memory that it lies in.
+/// What makes a view of a file's bytes.
+pub(crate) type ReadModel = for<'a> fn(&'a [u8]) -> Result<ModelView<'a>, FormatError>;
+
+/// A file that was read and the memory that it lies in.
 pub(crate) struct StoredModel {
     /// Borrows from `storage`. Never handed out with this lifetime: see [`StoredModel::view`].
     view: ModelView<'static>,
@@ -35,7 +38,7 @@ pub(crate) struct StoredModel {
 }
 
 impl StoredModel {
-    fn new(storage: Storage) -> Result<Self, FormatError> {
+    fn new(storage: Storage, read: ReadModel) -> Result<Self, FormatError> {
         let bytes: *const [u8] = storage.bytes();
         // SAFETY: `bytes` points into `storage`: into a mapping or a heap block, whose addresses do not change when
         // `storage` moves. `storage` is kept beside the view, is never changed or handed out, and is dropped with it;
@@ -54,7 +57,7 @@ impl StoredModel {
 
     /// Copies `bytes` to aligned memory.
     pub(crate) fn copy(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::new(Storage::Owned(AlignedBytes::copy_of(bytes)))
+        Self::new(Storage::Owned(AlignedBytes::copy_of(bytes)), read)
     }
 
     /// Reads a file into aligned memory.
@@ -65,20 +68,20 @@ impl StoredModel {
         let mut magic = AlignedBytes::zeroed(len.min(MAGIC.len()));
         file.read_exact(magic.as_mut_slice())?;
         if magic.as_slice() != MAGIC {
-            return Ok(Self::new(Storage::Owned(magic)));
+            return Ok(Self::new(Storage::Owned(magic), read));
         }
         let mut bytes = AlignedBytes::try_zeroed(len)?;
         let (begin, rest) = bytes.as_mut_slice().split_at_mut(MAGIC.len());
         begin.copy_from_slice(&MAGIC);
         file.read_exact(rest)?;
-        Ok(Self::new(Storage::Owned(bytes)))
+        Ok(Self::new(Storage::Owned(bytes), read))
     }
 
     /// Maps a file.
     ///
     /// # Safety
     /// Nobody changes or shortens the file while the result lives.
-    pub(crate) unsafe fn map(path: &Path) -> io::Result<Result<Self, FormatError>> {
+    pub(crate) unsafe fn map(path: &Path, read: ReadModel) -> io::Result<Result<Self, FormatError>> {
         let file = File::open(path)?;
         if file.metadata()?.len() == 0 {
             // An empty mapping is refused by some systems; an empty file is refused by `read` with a better text.
@@ -86,6 +89,6 @@ impl StoredModel {
         }
         // SAFETY: the caller promises that the file does not change while the mapping lives.
         let map = unsafe { Mmap::map(&file)? };
-        Ok(Self::new(Storage::Mapped(map)))
+        Ok(Self::new(Storage::Mapped(map), read))
     }
 }

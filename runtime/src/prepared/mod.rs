@@ -11,7 +11,7 @@ mod kept;
 mod pool;
 mod whole;
 
-pub(crate) use cluster_state::{ClusterState, PosedCluster};
+pub(crate) use cluster_state::{ClusterState, PosedCluster, TRIANGLES_PER_RAY};
 pub(crate) use pool::PreparedPool;
 pub(crate) use whole::Whole;
 
