@@ -24,12 +24,23 @@ impl WideBoxes<FuzzyRay<'_>> for WideNodeRow {
     #[inline(always)]
     fn meet<S: Lanes>(&self, simd: S, ray: &FuzzyRay<'_>, start: f32, limit: f32) -> (S::F8, u32) {
         if self.mover_count == 0 {
-            let planes = |k: usize| [simd.widen8(&self.min[k]), simd.widen8(&self.max[k])];
-            meet_planes(simd, [planes(0), planes(1), planes(2)], &ray.fuzzy, start, limit)
+            meet_planes(simd, stored_planes(simd, self), &ray.fuzzy, start, limit)
         } else {
             meet_planes(simd, posed_planes(simd, self, ray), &ray.posed, start, limit)
         }
     }
+}
+
+// No closures below: they would not be compiled for the instructions that the function around them is.
+
+/// Per axis, the least and the greatest sides of the eight boxes.
+#[inline(always)]
+fn stored_planes<S: Lanes>(simd: S, node: &WideNodeRow) -> [[S::F8; 2]; 3] {
+    let mut planes = [[simd.splat8(0.0); 2]; 3];
+    for k in 0..3 {
+        planes[k] = [simd.widen8(&node.min[k]), simd.widen8(&node.max[k])];
+    }
+    planes
 }
 
 #[inline(always)]
@@ -65,14 +76,15 @@ fn meet_planes<S: Lanes>(simd: S, planes: [[S::F8; 2]; 3], ray: &LatticeRay, sta
 #[inline(always)]
 fn posed_planes<S: Lanes>(simd: S, node: &WideNodeRow, ray: &FuzzyRay<'_>) -> [[S::F8; 2]; 3] {
     let part = simd.splat8(0.5);
-    let axis = |k: usize| {
-        let (min, max) = (simd.widen8(&node.min[k]), simd.widen8(&node.max[k]));
-        let middle = simd.mul8(simd.add8(min, max), part);
-        let half = simd.mul8(simd.sub8(max, min), part);
-        (middle, simd.add8(half, simd.splat8(ray.motions.morphed[k])))
-    };
-    let [(c0, h0), (c1, h1), (c2, h2)] = [axis(0), axis(1), axis(2)];
-    let (mut middle, mut half) = ([c0, c1, c2], [h0, h1, h2]);
+    let mut planes = stored_planes(simd, node);
+    let (mut center, mut half) = ([part; 3], [part; 3]);
+    for k in 0..3 {
+        let [min, max] = planes[k];
+        center[k] = simd.mul8(simd.add8(min, max), part);
+        let side = simd.mul8(simd.sub8(max, min), part);
+        half[k] = simd.add8(side, simd.splat8(ray.motions.morphed[k]));
+    }
+    let (mut middle, mut reach) = (center, half);
     let unit = simd.splat8(1.0 / MOVER_WEIGHTS);
     for row in node.movers(ray.movers) {
         let map = &ray.motions.maps[row.mover as usize % MAX_MOVERS];
@@ -80,19 +92,19 @@ fn posed_planes<S: Lanes>(simd: S, node: &WideNodeRow, ray: &FuzzyRay<'_>) -> [[
         let spread = simd.mul8(simd.widen8(&row.spread), unit);
         let most = simd.add8(weight, spread);
         for k in 0..3 {
-            let [e0, e1, e2] = map.linear[k].map(|entry| simd.splat8(entry));
-            let moved = simd.add8(
-                simd.add8(simd.mul8(e0, c0), simd.mul8(e1, c1)),
-                simd.add8(simd.mul8(e2, c2), simd.splat8(map.offset[k])),
-            );
-            let spun = simd.add8(
-                simd.add8(simd.mul8(simd.abs8(e0), h0), simd.mul8(simd.abs8(e1), h1)),
-                simd.mul8(simd.abs8(e2), h2),
-            );
+            let (mut moved, mut spun) = (simd.splat8(map.offset[k]), simd.splat8(0.0));
+            for j in 0..3 {
+                let entry = simd.splat8(map.linear[k][j]);
+                moved = simd.add8(moved, simd.mul8(entry, center[j]));
+                spun = simd.add8(spun, simd.mul8(simd.abs8(entry), half[j]));
+            }
             middle[k] = simd.add8(middle[k], simd.mul8(weight, moved));
             let wider = simd.add8(simd.mul8(spread, simd.abs8(moved)), simd.mul8(most, spun));
-            half[k] = simd.add8(half[k], wider);
+            reach[k] = simd.add8(reach[k], wider);
         }
     }
-    std::array::from_fn(|k| [simd.sub8(middle[k], half[k]), simd.add8(middle[k], half[k])])
+    for k in 0..3 {
+        planes[k] = [simd.sub8(middle[k], reach[k]), simd.add8(middle[k], reach[k])];
+    }
+    planes
 }
