@@ -172,6 +172,17 @@ mod tests {
     }
 
     #[test]
+    fn what_rounds_to_a_plane_is_contained_all_the_same() {
+        // A step is 2⁻¹⁶, and what the origin is beside zero is lost in every difference.
+        let step = 1.0 / 65536.0;
+        for origin in [-1e-30, 1e-30] {
+            let lattice = RestLattice::new(&rows([cube(origin, 65533.0 * step)]));
+            assert_eq!(lattice.step, step);
+            check_around(&lattice, &cube(100.0 * step, 200.0 * step));
+        }
+    }
+
+    #[test]
     fn lattices_of_any_finite_size_hold_the_whole_box() {
         let least = 65533.0 * f32::MIN_POSITIVE;
         let sides = [
