@@ -440,7 +440,7 @@ pub enum RowFault {
         place: usize,
     },
     /// A bone moves an empty place.
-    #[error("place {place} of its node is empty, expected zero as its `weight` and `spread`")]
+    #[error("place {place} of its node is empty and has a weight, expected zero as `weight` and `spread`")]
     WeightOfEmptyPlace {
         /// Place, 0 to 7.
         place: usize,

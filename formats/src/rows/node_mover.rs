@@ -37,7 +37,7 @@ pub struct RestLattice {
 }
 
 impl RestLattice {
-    /// That of a cluster with these cluster-bone rows.
+    /// That of a cluster with these cluster-bone rows, whose boxes are finite.
     #[must_use]
     pub fn new(cluster_bones: &[ClusterBoneRow]) -> Self {
         let bounds = cluster_bones
@@ -52,8 +52,7 @@ impl RestLattice {
         }
     }
 
-    /// Whether there is a lattice. There is none over a single point, nor where the step would be subnormal or a bound is not
-    /// finite.
+    /// Whether there is a lattice. There is none over a single point, nor where the step would not be a normal number.
     #[must_use]
     pub fn is_usable(&self) -> bool {
         self.step.is_normal() && self.step > 0.0 && self.origin.iter().all(|x| x.is_finite())
