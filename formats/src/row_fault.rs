@@ -439,6 +439,12 @@ pub enum RowFault {
         /// Place, 0 to 7.
         place: usize,
     },
+    /// A bone moves an empty place.
+    #[error("place {place} of its node is empty and has a weight, expected zero as `weight` and `spread`")]
+    WeightOfEmptyPlace {
+        /// Place, 0 to 7.
+        place: usize,
+    },
     /// A child's box lies outside of the box that its parent gives for it.
     #[error(
         "the box of place {place} reaches from {min} to {max} on axis {axis}, expected {least} or more and {greatest} or \

@@ -17,6 +17,7 @@ mod levers;
 mod membership;
 mod morphs;
 mod names;
+mod node_movers;
 mod numbers;
 mod parts;
 mod pose_spaces;
@@ -56,7 +57,10 @@ pub(crate) fn model(view: &ModelView<'_>) -> Result<(), FormatError> {
             kd_trees::check(view)?;
             reference_boxes::check(view)?;
         }
-        TreeKind::Wide => wide_trees::check(view)?,
+        TreeKind::Wide => {
+            wide_trees::check(view)?;
+            node_movers::check(view)?;
+        }
     }
     pose_spaces::check(view)?;
     levers::check(view)?;

@@ -1,15 +1,14 @@
-use super::{row, tiling::Tiling};
+use super::row;
 use crate::{
     FormatError, ModelView, RowFault, SectionKind,
-    rows::{ClusterRow, MAX_MOVERS, MAX_WIDE_DEPTH, NONE, WideChild, WideNodeRow},
+    rows::{ClusterRow, MAX_WIDE_DEPTH, WideChild, WideNodeRow},
 };
 
-/// Every cluster's nodes form one wide tree, rooted in its first node, with boxes inside of boxes, whose leaves name the
-/// cluster's triangles as its references do, and whose movers are bones of the cluster. Cluster ranges, and that clusters in free motion alone have no nodes, have
-/// been checked.
+/// Every cluster's nodes form one wide tree, rooted in its first node, with boxes inside of boxes of their kind, whose
+/// leaves name the cluster's triangles as its references do. Cluster ranges, and that clusters in free motion alone have
+/// no nodes, have been checked.
 pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
     let mut places = vec![None; view.wide_nodes.len()];
-    let mut movers = Tiling::new(SectionKind::NodeMovers, view.node_movers.len());
     for (at, cluster) in view.clusters.iter().enumerate() {
         if cluster.reference_count != cluster.triangle_count {
             let (field, found) = ("reference_count", u64::from(cluster.reference_count));
@@ -22,33 +21,6 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
         }
         if cluster.node_count != 0 {
             check_tree(view, cluster, &mut places)?;
-            check_movers(view, cluster, &mut movers)?;
-        }
-    }
-    movers.finish()
-}
-
-fn check_movers(view: &ModelView<'_>, cluster: &ClusterRow, movers: &mut Tiling) -> Result<(), FormatError> {
-    let bones = view.cluster_bones[cluster.cluster_bone_first as usize..][..cluster.cluster_bone_count as usize].iter();
-    let others = match cluster.track {
-        NONE => bones.filter(|row| row.bone != cluster.bone).count().min(MAX_MOVERS),
-        _ => 0,
-    };
-    let first = cluster.node_first as usize;
-    for (at, node) in (first..).zip(&view.wide_nodes[first..][..cluster.node_count as usize]) {
-        let rows = movers.take(
-            SectionKind::WideNodes,
-            at,
-            "mover_first",
-            node.mover_first,
-            node.mover_count,
-        )?;
-        for (at, mover) in rows.clone().zip(&view.node_movers[rows]) {
-            let (field, found, limit) = ("mover", u64::from(mover.mover), others as u64);
-            if found >= limit {
-                let fault = RowFault::IndexOutOfRange { field, found, limit };
-                return Err(row(SectionKind::NodeMovers, at, fault));
-            }
         }
     }
     Ok(())
@@ -59,7 +31,7 @@ fn check_movers(view: &ModelView<'_>, cluster: &ClusterRow, movers: &mut Tiling)
 struct Place {
     /// Nodes above it.
     depth: u8,
-    /// Whether its parent's boxes follow the pose: they bound the rest positions then.
+    /// Whether its parent's boxes follow the pose, and so are on the lattice of the rest positions.
     follows: bool,
     min: [u16; 3],
     max: [u16; 3],

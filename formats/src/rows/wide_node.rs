@@ -9,9 +9,9 @@ pub const MAX_WIDE_DEPTH: usize = 32;
 /// Boxes of a node without movers are on the lattice of their cluster's [`bounds_local`](super::ClusterRow::bounds_local),
 /// whose steps are [`box_steps`](super::box_steps), as those of [`ReferenceBoxRow`](super::ReferenceBoxRow) are: they hold
 /// what is below them in the whole pose space; that of a triangle is its fuzzy box. Boxes of a node with movers are on the
-/// cluster's [`RestLattice`](super::RestLattice) and hold the rest positions of what is below them; its
-/// [`NodeMoverRow`](super::NodeMoverRow)s say how they follow a pose. A box is around the boxes of the child's places where
-/// the child is of the same kind.
+/// cluster's [`RestLattice`](super::RestLattice) and hold the rest positions, without morphs, of what is below them; its
+/// [`NodeMoverRow`](super::NodeMoverRow)s say how they follow a pose. A box is around those of the child's places where the
+/// child is of the same kind.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct WideNodeRow {
@@ -23,7 +23,7 @@ pub struct WideNodeRow {
     pub children: [u32; 8],
     /// First node-mover row.
     pub mover_first: u32,
-    /// Node-mover rows; those of the nodes follow each other.
+    /// Node-mover rows, at most [`MAX_MOVERS`](super::MAX_MOVERS); those of the nodes follow each other.
     pub mover_count: u32,
 }
 

@@ -6,7 +6,7 @@ use crate::{
     golden::V1_3,
 };
 
-fn u16_at(bytes: &[u8], at: usize) -> u16 {
+pub fn u16_at(bytes: &[u8], at: usize) -> u16 {
     u16::from_le_bytes([bytes[at], bytes[at + 1]])
 }
 
@@ -40,7 +40,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 }
 
 /// The codes and row sizes of `FORMAT.md`, section 2.
-const SECTIONS: [(&[u8; 4], usize); 35] = [
+const SECTIONS: [(&[u8; 4], usize); 36] = [
     (b"META", 1),
     (b"PART", 48),
     (b"PRIM", 16),
@@ -68,7 +68,8 @@ const SECTIONS: [(&[u8; 4], usize); 35] = [
     (b"CLUS", 64),
     (b"CBON", 32),
     (b"KDND", 8),
-    (b"WDND", 128),
+    (b"WDND", 136),
+    (b"NMOV", 36),
     (b"REFS", 4),
     (b"RBOX", 12),
     (b"PSPC", 32),
@@ -115,12 +116,12 @@ fn header_and_table_are_as_the_text_says() {
     assert_eq!((u16_at(V1_3, 10), u16_at(V1_3, 12), u16_at(V1_3, 14)), (1, 3, 0));
     assert_eq!((u32_at(V1_3, 16), u64_at(V1_3, 24)), (128, V1_3.len() as u64));
     assert_eq!((u64_at(V1_3, 32), u64_at(V1_3, 40)), (0, 0));
-    assert_eq!((u32_at(V1_3, 48), u32_at(V1_3, 52), u64_at(V1_3, 120)), (35, 0, 0));
+    assert_eq!((u32_at(V1_3, 48), u32_at(V1_3, 52), u64_at(V1_3, 120)), (36, 0, 0));
     assert_eq!(
         (&V1_3[56..88], &V1_3[88..120]),
         (&model().hashes.source[..], &model().hashes.options[..])
     );
-    let mut sealed = V1_3[..128 + 40 * 35].to_vec();
+    let mut sealed = V1_3[..128 + 40 * 36].to_vec();
     sealed[20..24].fill(0);
     assert_eq!(u32_at(V1_3, 20), crc32(&sealed));
 

@@ -1,16 +1,17 @@
 //! Nothing panics, whatever the bytes; what is accepted is written back as it was.
 
 use crate::{
-    fixture::{Forge, model, read_copy, reseal},
+    fixture::{Forge, model, read_copy, reseal, wide_model},
     golden::{V1_3, V1_3_WIDE},
 };
 use proptest::prelude::*;
-use restpose_formats::{MAGIC, Model, SectionKind, write};
+use restpose_formats::{MAGIC, Model, SectionKind, rows::MAX_MOVERS, write};
 
 /// Reads, and where that succeeds writes again: an accepted file is reproduced but for what the writer does not know.
 fn read_and_rewrite(bytes: &[u8]) {
     if let Ok(model) = read_copy(bytes) {
         decode_positions(&model);
+        decode_movers(&model);
         let again = write(&model).expect("an accepted model can be written");
         assert!(read_copy(&again) == Ok(model));
     }
@@ -29,6 +30,14 @@ fn decode_positions(model: &Model) {
             }
         }
     }
+}
+
+/// The movers of every wide node are among the file's.
+fn decode_movers(model: &Model) {
+    let all = &model.node_movers;
+    let of_nodes = model.wide_nodes.iter().map(|node| node.movers(all).len());
+    assert_eq!(of_nodes.sum::<usize>(), all.len());
+    assert!(all.iter().all(|row| (row.mover as usize) < MAX_MOVERS));
 }
 
 /// Values that are likely to be at a limit.
@@ -76,17 +85,19 @@ proptest! {
         rows in 0..20usize,
         words in proptest::collection::vec(word(), 40),
     ) {
-        let mut file = Forge::of(&model());
-        let (entry, bytes) = &mut file.sections[at];
-        let old = bytes.clone();
-        let row_size = entry.row_size as usize;
-        bytes.resize(rows * row_size, 0);
-        let grown = bytes.get_mut(old.len()..).unwrap_or_default();
-        for (byte, new) in grown.iter_mut().zip(words.iter().flat_map(|word| word.to_le_bytes())) {
-            *byte = new;
+        for fixture in [model(), wide_model()] {
+            let mut file = Forge::of(&fixture);
+            let (entry, bytes) = &mut file.sections[at];
+            let old = bytes.clone();
+            let row_size = entry.row_size as usize;
+            bytes.resize(rows * row_size, 0);
+            let grown = bytes.get_mut(old.len()..).unwrap_or_default();
+            for (byte, new) in grown.iter_mut().zip(words.iter().flat_map(|word| word.to_le_bytes())) {
+                *byte = new;
+            }
+            (entry.row_count, entry.byte_len) = (rows as u64, bytes.len() as u64);
+            read_and_rewrite(&file.bytes());
         }
-        (entry.row_count, entry.byte_len) = (rows as u64, bytes.len() as u64);
-        read_and_rewrite(&file.bytes());
     }
 }
 

@@ -13,7 +13,7 @@ use restpose_formats::{
     TreeKind,
     geom::Aabb,
     rows::{
-        BoneRow, ChannelRow, ClipRow, InfluenceRow, KdNode, KdNodeRow, Local, MorphSetRow, NONE, NodeRow,
+        BoneRow, ChannelRow, ClipRow, InfluenceRow, KdNode, KdNodeRow, Local, MorphSetRow, NONE, NodeMoverRow, NodeRow,
         ReferenceBoxRow, SampleRow, TriangleRow, VertexRow, WideNodeRow,
     },
     write,
@@ -259,6 +259,9 @@ rules! {
     kd_files_have_no_wide_nodes:
         |m| m.wide_nodes.push(WideNodeRow::EMPTY)
         => RowsOfOtherTrees { section: WideNodes, found: 1, tree: TreeKind::Kd },
+    kd_files_have_no_movers:
+        |m| m.node_movers.push(NodeMoverRow::default())
+        => RowsOfOtherTrees { section: NodeMovers, found: 1, tree: TreeKind::Kd },
     a_tree_has_a_root:
         |m| m.clusters[2].node_count = 0 => at!(Clusters, 2, EmptyRange { field: "node_count" }),
     cluster_references_follow_each_other:

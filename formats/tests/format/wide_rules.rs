@@ -2,7 +2,7 @@
 
 use crate::{
     broken::{at, rules_of},
-    fixture::{read_copy, wide_model, wide_node},
+    fixture::{mover, read_copy, wide_model, wide_node},
 };
 use restpose_formats::{
     FormatError::*,
@@ -10,7 +10,8 @@ use restpose_formats::{
     RowFault::*,
     SectionKind::*,
     TreeKind,
-    rows::{KdNode, KdNodeRow, ReferenceBoxRow, WideChild, WideNodeRow},
+    geom::Aabb,
+    rows::{ClusterBoneRow, KdNode, KdNodeRow, ReferenceBoxRow, WideChild, WideNodeRow},
     write,
 };
 
@@ -22,30 +23,41 @@ rules_of! { broken_wide;
         |m| m.reference_boxes.push(ReferenceBoxRow::default())
         => RowsOfOtherTrees { section: ReferenceBoxes, found: 1, tree: TreeKind::Wide },
     clusters_cover_all_wide_nodes:
-        |m| m.wide_nodes.push(m.wide_nodes[0]) => RowCount { section: WideNodes, expected: 7, found: 8 },
+        |m| m.wide_nodes.push(m.wide_nodes[0]) => RowCount { section: WideNodes, expected: 8, found: 9 },
     a_wide_tree_has_a_root:
         |m| m.clusters[0].node_count = 0 => at!(Clusters, 0, EmptyRange { field: "node_count" }),
 
     wide_nodes_have_children:
-        |m| m.wide_nodes[3] = WideNodeRow::EMPTY => at!(WideNodes, 3, NoChildren),
+        |m| m.wide_nodes[4] = WideNodeRow::EMPTY => at!(WideNodes, 4, NoChildren),
     empty_places_are_last:
-        |m| m.wide_nodes[3].children[7] = m.wide_nodes[3].children[0]
-        => at!(WideNodes, 3, PlaceBehindEmpty { place: 7 }),
+        |m| m.wide_nodes[5].children[7] = m.wide_nodes[5].children[0]
+        => at!(WideNodes, 5, PlaceBehindEmpty { place: 7 }),
     empty_places_have_no_least_corner:
-        |m| m.wide_nodes[3].min[2][5] = 0 => at!(WideNodes, 3, BoxOfEmptyPlace { place: 5 }),
+        |m| m.wide_nodes[5].min[2][5] = 0 => at!(WideNodes, 5, BoxOfEmptyPlace { place: 5 }),
     empty_places_have_no_greatest_corner:
-        |m| m.wide_nodes[3].max[0][1] = 65534 => at!(WideNodes, 3, BoxOfEmptyPlace { place: 1 }),
+        |m| m.wide_nodes[4].max[0][1] = 65534 => at!(WideNodes, 4, BoxOfEmptyPlace { place: 1 }),
     wide_boxes_are_not_empty:
         |m| (m.wide_nodes[0].min[1][1], m.wide_nodes[0].max[1][1]) = (9, 8)
         => at!(WideNodes, 0, EmptyBox { field: "box", axis: 1, min: 9.0, max: 8.0 }),
     wide_boxes_lie_in_their_parents_above:
-        |m| m.wide_nodes[1].min[2][0] += 1 => at!(WideNodes, 2, OutsideParentsBox { place: 0, axis: 2, .. }),
+        |m| { deepen(m, 3); m.wide_nodes[0].min[2][0] += 1; }
+        => at!(WideNodes, 1, OutsideParentsBox { place: 0, axis: 2, .. }),
     wide_boxes_lie_in_their_parents_below:
-        |m| m.wide_nodes[2].max[0][0] += 1 => at!(WideNodes, 2, OutsideParentsBox { place: 0, axis: 0, .. }),
+        |m| { deepen(m, 3); m.wide_nodes[1].max[0][0] -= 1; }
+        => at!(WideNodes, 2, OutsideParentsBox { place: 0, axis: 0, max: 65535, greatest: 65534, .. }),
+    boxes_that_follow_are_not_empty:
+        |m| (m.wide_nodes[4].min[2][0], m.wide_nodes[4].max[2][0]) = (9, 8)
+        => at!(WideNodes, 4, EmptyBox { field: "box", axis: 2, min: 9.0, max: 8.0 }),
+    boxes_that_follow_lie_in_their_parents_above:
+        |m| m.wide_nodes[2].min[1][0] += 1
+        => at!(WideNodes, 3, OutsideParentsBox { place: 0, axis: 1, min: 0, least: 1, .. }),
+    boxes_that_follow_lie_in_their_parents_below:
+        |m| m.wide_nodes[3].max[2][0] += 1
+        => at!(WideNodes, 3, OutsideParentsBox { place: 0, axis: 2, max: 32769, greatest: 32768, .. }),
 
     wide_children_are_in_range:
-        |m| m.wide_nodes[1].children[0] = WideChild::Node(2).pack()
-        => at!(WideNodes, 1, IndexOutOfRange { field: "child", found: 2, limit: 2 }),
+        |m| m.wide_nodes[1].children[0] = WideChild::Node(3).pack()
+        => at!(WideNodes, 1, IndexOutOfRange { field: "child", found: 3, limit: 3 }),
     wide_children_stand_behind:
         |m| m.wide_nodes[2].children[0] = WideChild::Node(1).pack()
         => at!(WideNodes, 2, ChildNotBehind { found: 1, own: 1 }),
@@ -66,8 +78,8 @@ rules_of! { broken_wide;
         |m| m.references.swap(2, 3)
         => at!(WideNodes, 1, LeafNotReferenced { place: 1, found: 2, expected: 3 }),
     wide_leaves_have_a_reference:
-        |m| m.wide_nodes[3] = wide_node(&[leaf_of(m, 3), (WideChild::Leaf(3), leaf_of(m, 3).1)])
-        => at!(WideNodes, 3, LeafWithoutReference { place: 1 }),
+        |m| m.wide_nodes[5] = wide_node(&[leaf_of(m, 5), (WideChild::Leaf(3), leaf_of(m, 5).1)])
+        => at!(WideNodes, 5, LeafWithoutReference { place: 1 }),
     references_of_wide_trees_have_a_leaf:
         |m| m.wide_nodes[0] = wide_node(&[leaf_of(m, 0)]) => at!(References, 1, ReferenceUnused),
     wide_clusters_list_each_triangle_once:
@@ -88,9 +100,89 @@ rules_of! { broken_wide;
     wide_leaves_are_triangles:
         |m| {
             m.references[4] = 10;
-            m.wide_nodes[3].children[0] = WideChild::Leaf(10).pack();
+            m.wide_nodes[4].children[0] = WideChild::Leaf(10).pack();
         }
         => at!(References, 4, IndexOutOfRange { field: "triangle", found: 10, limit: 10 }),
+
+    mover_ranges_follow_each_other:
+        |m| m.wide_nodes[3].mover_first = 0
+        => at!(WideNodes, 3, RangeNotContiguous { field: "mover_first", found: 0, expected: 1 }),
+    mover_ranges_without_rows_follow_too:
+        |m| m.wide_nodes[6].mover_first = 0
+        => at!(WideNodes, 6, RangeNotContiguous { field: "mover_first", found: 0, expected: 3 }),
+    mover_ranges_are_in_range:
+        |m| m.wide_nodes[4].mover_count = 2
+        => at!(WideNodes, 4, RangeOutOfBounds { field: "mover_first", first: 2, count: 2, limit: 3 }),
+    mover_ranges_do_not_wrap:
+        |m| m.wide_nodes[4].mover_count = u32::MAX
+        => at!(WideNodes, 4, RangeOutOfBounds { field: "mover_first", .. }),
+    wide_nodes_cover_all_movers:
+        |m| m.node_movers.push(mover(0, 0, 0)) => RowCount { section: NodeMovers, expected: 3, found: 4 },
+    movers_are_bones_of_the_cluster_beside_its_own:
+        |m| m.node_movers[1].mover = 1
+        => at!(NodeMovers, 1, IndexOutOfRange { field: "mover", found: 1, limit: 1 }),
+    a_cluster_of_one_bone_has_no_movers:
+        |m| add_mover(m, 0) => at!(NodeMovers, 0, IndexOutOfRange { field: "mover", found: 0, limit: 0 }),
+    movers_are_among_the_first_eight:
+        |m| {
+            let row = m.cluster_bones[4];
+            m.cluster_bones.splice(5..5, (3..12).map(|bone| ClusterBoneRow { bone, ..row }));
+            m.clusters[2].cluster_bone_count += 9;
+            m.clusters[3..].iter_mut().for_each(|cluster| cluster.cluster_bone_first += 9);
+            m.node_movers[2].mover = 8;
+        }
+        => at!(NodeMovers, 2, IndexOutOfRange { field: "mover", found: 8, limit: 8 }),
+    movers_of_a_node_ascend:
+        |m| {
+            add_bone_to_second(m);
+            m.node_movers[1].mover = 1;
+            m.node_movers.insert(2, mover(0, 0, 0));
+            m.wide_nodes[3].mover_count = 2;
+            m.wide_nodes[4..].iter_mut().for_each(|node| node.mover_first += 1);
+        }
+        => at!(NodeMovers, 2, NotAscending { field: "mover", found: 0, previous: 1 }),
+    movers_of_a_node_are_distinct:
+        |m| add_mover(m, 2) => at!(NodeMovers, 1, NotAscending { field: "mover", found: 0, previous: 0 }),
+    empty_places_have_no_weight:
+        |m| m.node_movers[0].weight[1] = 1 => at!(NodeMovers, 0, WeightOfEmptyPlace { place: 1 }),
+    empty_places_have_no_spread:
+        |m| m.node_movers[2].spread[7] = 1 => at!(NodeMovers, 2, WeightOfEmptyPlace { place: 7 }),
+    clusters_with_a_track_have_no_movers:
+        |m| {
+            let flag = m.cluster_bones[6];
+            m.cluster_bones.splice(7..7, [1, 2].map(|more| ClusterBoneRow { bone: flag.bone + more, ..flag }));
+            m.clusters[4].cluster_bone_count += 2;
+            m.clusters[5..].iter_mut().for_each(|cluster| cluster.cluster_bone_first += 2);
+            add_mover(m, 5);
+        }
+        => at!(NodeMovers, 3, IndexOutOfRange { field: "mover", found: 0, limit: 0 }),
+    clusters_without_a_lattice_have_no_movers:
+        |m| m.cluster_bones[1..3].iter_mut().for_each(|row| row.bounds = Aabb::around([[1.0; 3]]))
+        => at!(NodeMovers, 0, IndexOutOfRange { field: "mover", found: 0, limit: 0 }),
+}
+
+/// Gives a node one mover more, bone 0 of the others, in the first row of all that are not before it.
+fn add_mover(model: &mut Model, node: usize) {
+    let row = &mut model.wide_nodes[node];
+    let at = row.mover_first + row.mover_count;
+    row.mover_count += 1;
+    model.node_movers.insert(at as usize, mover(0, 1, 1));
+    for node in &mut model.wide_nodes[node + 1..] {
+        node.mover_first += 1;
+    }
+}
+
+/// Lists bone 0 among the bones of the second cluster, which then has two others.
+fn add_bone_to_second(model: &mut Model) {
+    let row = ClusterBoneRow {
+        bone: 0,
+        ..model.cluster_bones[1]
+    };
+    model.cluster_bones.insert(1, row);
+    model.clusters[1].cluster_bone_count += 1;
+    for cluster in &mut model.clusters[2..] {
+        cluster.cluster_bone_first += 1;
+    }
 }
 
 /// The child in the first place of a node, and its box.
@@ -129,5 +221,39 @@ fn wide_boxes_may_lie_in_a_plane_and_fill_the_lattice() {
         (model.wide_nodes[0].min[axis][0], model.wide_nodes[0].max[axis][0]) = (0, u16::MAX);
         (model.wide_nodes[0].min[axis][1], model.wide_nodes[0].max[axis][1]) = (7, 7);
     }
+    assert!(write(&model).is_ok());
+}
+
+#[test]
+fn boxes_of_different_kinds_need_not_lie_in_each_other() {
+    let mut model = wide_model();
+    let [above, below] = [&model.wide_nodes[1], &model.wide_nodes[2]].map(|node| [node.min[0][0], node.max[0][0]]);
+    assert!(
+        below[0] < above[0] && above[1] < below[1],
+        "a box that follows is wider than the fuzzy one above"
+    );
+    assert!(write(&model).is_ok());
+    // And a fuzzy one below boxes that follow.
+    model.node_movers.remove(1);
+    model.wide_nodes[3].mover_count = 0;
+    for node in &mut model.wide_nodes[4..] {
+        node.mover_first -= 1;
+    }
+    (model.wide_nodes[3].min[2][0], model.wide_nodes[3].max[2][0]) = (40_000, 50_000);
+    assert!(model.wide_nodes[2].max[2][0] < 40_000);
+    let bytes = write(&model).expect("the model is valid");
+    assert_eq!(read_copy(&bytes), Ok(model));
+}
+
+#[test]
+fn boxes_that_follow_may_lie_in_a_plane_and_fill_the_lattice() {
+    let mut model = wide_model();
+    for axis in 0..3 {
+        for node in 2..4 {
+            (model.wide_nodes[node].min[axis][0], model.wide_nodes[node].max[axis][0]) = (0, u16::MAX);
+        }
+        (model.wide_nodes[4].min[axis][0], model.wide_nodes[4].max[axis][0]) = (7, 7);
+    }
+    model.node_movers[0] = mover(0, u16::MAX, u16::MAX);
     assert!(write(&model).is_ok());
 }
