@@ -97,7 +97,6 @@ fn runtime_is_built_from_these_packages() {
         "crossbeam-utils",
         "either",
         "libc",
-        "libm",
         "memmap2",
         "rayon",
         "rayon-core",

@@ -42,6 +42,7 @@ impl Path {
     ];
 
     /// The path with this number.
+    #[inline]
     #[must_use]
     pub fn from_number(number: u32) -> Option<Self> {
         Self::ALL.into_iter().find(|path| *path as u32 == number)
@@ -65,6 +66,7 @@ impl Interpolation {
     pub const ALL: [Self; 3] = [Self::Step, Self::Linear, Self::CubicSpline];
 
     /// The interpolation with this number.
+    #[inline]
     #[must_use]
     pub fn from_number(number: u32) -> Option<Self> {
         Self::ALL
@@ -73,6 +75,7 @@ impl Interpolation {
     }
 
     /// Values stored per key, in units of the path's width.
+    #[inline]
     #[must_use]
     pub fn values_per_key(self) -> u32 {
         if self == Self::CubicSpline { 3 } else { 1 }

@@ -72,6 +72,7 @@ impl NodeRow {
     }
 
     /// The local map, decoded. `local_kind` has been checked when the file was opened.
+    #[inline]
     #[must_use]
     pub fn local(&self) -> Local {
         let l = &self.local;
@@ -105,6 +106,7 @@ pub struct BoneRow {
 
 impl BoneRow {
     /// The inverse bind map: a palette entry is `world(joint) * inverse_bind()`.
+    #[inline]
     #[must_use]
     pub fn inverse_bind(&self) -> Affine {
         Affine {

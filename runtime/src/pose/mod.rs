@@ -1,19 +1,21 @@
 //! Clip playback: node transforms from channels, world transforms from nodes, the palette from bones.
 
+mod arcs;
 mod curve;
 mod node_local;
+mod node_map;
+mod slerp;
 
 pub use node_local::NodeLocal;
 
-use curve::Curve;
+use arcs::Arcs;
+use curve::{Curve, Rotation};
+use node_map::NodeMap;
 use restpose_formats::{
     ModelView,
     geom::Affine,
     rows::{NONE, Path},
 };
-
-/// An affine map, four columns of three.
-type Columns = [[f64; 3]; 4];
 
 /// A pose of an asset.
 #[derive(Debug, Default, PartialEq)]
@@ -45,7 +47,8 @@ impl Clone for Pose {
 #[derive(Debug, Default)]
 pub struct PoseEvaluator {
     locals: Vec<NodeLocal>,
-    worlds: Vec<Columns>,
+    arcs: Arcs,
+    worlds: Vec<NodeMap>,
 }
 
 impl PoseEvaluator {
@@ -86,25 +89,33 @@ impl PoseEvaluator {
         cache_frames.clear();
         cache_frames.resize(model.caches.len(), 0.0);
 
+        self.arcs.clear();
         if let Some(row) = clip
             .and_then(|clip| model.clips.get(clip))
             .filter(|_| !seconds.is_nan())
         {
+            let mut later = 0;
             for channel in &model.channels[row.channel_first as usize..][..row.channel_count as usize] {
                 let curve = Curve::new(model, channel);
+                let target = channel.target as usize;
+                let mut scalar = |k| curve.scalar(seconds, &mut later, k);
                 match curve.path() {
                     Path::Weights => {
-                        let set = model.morph_sets[channel.target as usize];
+                        let set = model.morph_sets[target];
                         for k in 0..set.target_count as usize {
-                            morph_weights[set.target_first as usize + k] = curve.scalar(seconds, k) as f32;
+                            morph_weights[set.target_first as usize + k] = scalar(k) as f32;
                         }
                     }
-                    Path::Frame => cache_frames[channel.target as usize] = curve.scalar(seconds, 0),
-                    Path::Translation | Path::Rotation | Path::Scale => {
-                        self.locals[channel.target as usize].set(&curve, seconds);
-                    }
+                    Path::Frame => cache_frames[target] = scalar(0),
+                    Path::Translation => self.locals[target].set_translation(std::array::from_fn(scalar)),
+                    Path::Scale => self.locals[target].set_scale(std::array::from_fn(scalar)),
+                    Path::Rotation => match curve.rotation(seconds, &mut later) {
+                        Rotation::Here(rotation) => self.locals[target].set_rotation(rotation),
+                        Rotation::On(arc) => self.arcs.push(channel.target, arc),
+                    },
                 }
             }
+            self.arcs.rotate(&mut self.locals);
         }
 
         for (node, local) in self.locals.iter_mut().enumerate() {
@@ -113,11 +124,11 @@ impl PoseEvaluator {
 
         self.worlds.clear();
         for (row, local) in model.nodes.iter().zip(&self.locals) {
-            let columns = local.columns();
+            let map = local.map();
             let world = if row.parent == NONE {
-                columns
+                map
             } else {
-                product(&self.worlds[row.parent as usize], &columns)
+                self.worlds[row.parent as usize].after(&map)
             };
             self.worlds.push(world);
         }
@@ -127,21 +138,8 @@ impl PoseEvaluator {
             if bone.node == NONE {
                 return Affine::IDENTITY;
             }
-            let inverse_bind = bone.inverse_bind().columns.map(|column| column.map(f64::from));
-            let x = product(&self.worlds[bone.node as usize], &inverse_bind);
-            Affine {
-                columns: x.map(|column| column.map(|entry| entry as f32)),
-            }
+            let inverse_bind = NodeMap::from_affine(&bone.inverse_bind());
+            self.worlds[bone.node as usize].after(&inverse_bind).to_affine()
         }));
     }
-}
-
-/// `a` after `b`.
-fn product(a: &Columns, b: &Columns) -> Columns {
-    std::array::from_fn(|j| {
-        std::array::from_fn(|k| {
-            let linear = a[0][k] * b[j][0] + a[1][k] * b[j][1] + a[2][k] * b[j][2];
-            if j == 3 { linear + a[3][k] } else { linear }
-        })
-    })
 }

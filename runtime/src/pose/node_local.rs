@@ -1,9 +1,5 @@
-use super::{
-    Columns,
-    curve::{Curve, normalized},
-    product,
-};
-use restpose_formats::rows::{Local, Path};
+use super::{curve::normalized, node_map::NodeMap};
+use restpose_formats::rows::Local;
 
 /// A node's local map in a pose: parent from node, in `f64`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +18,7 @@ pub enum NodeLocal {
 }
 
 impl NodeLocal {
+    #[inline(always)]
     pub(super) fn new(local: Local) -> Self {
         match local {
             Local::Trs {
@@ -45,48 +42,53 @@ impl NodeLocal {
             Self::Trs { rotation, .. } => *rotation = normalized(after(*rotation, turn)),
             Self::Matrix(columns) => {
                 let [x, y, z] = axes(turn);
-                *columns = product(columns, &[x, y, z, [0.0; 3]]);
+                let turn = NodeMap::new(&[x, y, z, [0.0; 3]]);
+                *columns = NodeMap::new(columns).after(&turn).columns();
             }
         }
     }
 
     /// Takes a channel's value; a matrix has none that a channel could move.
-    pub(super) fn set(&mut self, curve: &Curve, seconds: f32) {
-        let Self::Trs {
-            translation,
-            rotation,
-            scale,
-        } = self
-        else {
-            return;
-        };
-        let vector = || std::array::from_fn(|k| curve.scalar(seconds, k));
-        match curve.path() {
-            Path::Translation => *translation = vector(),
-            Path::Rotation => *rotation = curve.rotation(seconds),
-            Path::Scale => *scale = vector(),
-            Path::Weights | Path::Frame => {}
+    pub(super) fn set_translation(&mut self, value: [f64; 3]) {
+        if let Self::Trs { translation, .. } = self {
+            *translation = value;
+        }
+    }
+
+    /// As [`Self::set_translation`]; a unit quaternion.
+    pub(super) fn set_rotation(&mut self, value: [f64; 4]) {
+        if let Self::Trs { rotation, .. } = self {
+            *rotation = value;
+        }
+    }
+
+    /// As [`Self::set_translation`].
+    pub(super) fn set_scale(&mut self, value: [f64; 3]) {
+        if let Self::Trs { scale, .. } = self {
+            *scale = value;
         }
     }
 
     /// Translation · rotation · scale (glTF 2.0 §3.5.3).
-    pub(super) fn columns(&self) -> Columns {
-        match *self {
-            Self::Matrix(columns) => columns,
+    #[inline(always)]
+    pub(super) fn map(&self) -> NodeMap {
+        match self {
+            Self::Matrix(columns) => NodeMap::new(columns),
             Self::Trs {
                 translation,
                 rotation,
                 scale,
             } => {
-                let axes = axes(rotation);
-                let scaled = |k: usize| axes[k].map(|entry| entry * scale[k]);
-                [scaled(0), scaled(1), scaled(2), translation]
+                let axes = axes(*rotation);
+                let scaled = |k: usize| [axes[k][0] * scale[k], axes[k][1] * scale[k], axes[k][2] * scale[k]];
+                NodeMap::new(&[scaled(0), scaled(1), scaled(2), *translation])
             }
         }
     }
 }
 
 /// Where a rotation takes the three axes.
+#[inline(always)]
 fn axes([x, y, z, w]: [f64; 4]) -> [[f64; 3]; 3] {
     [
         [
@@ -133,12 +135,12 @@ mod tests {
             rotation: [0.0, 0.0, 1.0, 0.0],
             scale: [1.0; 3],
         };
-        let mut matrix = NodeLocal::Matrix(node.columns());
+        let mut matrix = NodeLocal::Matrix(node.map().columns());
         node.turn(CYCLE);
         matrix.turn(CYCLE);
         // x goes to y by the turn, then to −y by the node; y to z and stays; z to x, then to −x.
         let expected = [[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], translation];
-        assert_eq!(node.columns(), expected);
+        assert_eq!(node.map().columns(), expected);
         assert_eq!(matrix, NodeLocal::Matrix(expected));
     }
 

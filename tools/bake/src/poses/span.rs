@@ -47,9 +47,10 @@ pub(super) struct RotationSpan {
     pub(super) error: f64,
 }
 
-/// [`RotationSpan::error`] of a key or an arc, and of a cubic per unit of what enters it relative to its length. Numbers of
-/// quaternions are off by 2⁻⁴⁵ at most, by 128 roundings here and in the evaluator, or by 2⁻⁴⁴ of what enters a cubic; a
-/// matrix by less than three times the length of that.
+/// [`RotationSpan::error`] of a key or an arc, and of a cubic per unit of what enters it relative to its length. Quaternions
+/// of keys and arcs are off by 2⁻⁴⁵ at most: by 2⁻⁴⁷ in the evaluator, which does not bring arcs to length one again, and
+/// by some sixty roundings here; those of cubics by 2⁻⁴⁴ of what enters. A matrix is off by twice the turn that is off and
+/// by four times the length, so by less than eight times that, roundings of its own included.
 const ROTATION_ERROR: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// Part of what enters a cubic of quaternions that must be left of its length for the evaluator to be near to it.
@@ -262,7 +263,7 @@ impl<'a> Piece<'a> {
             return RotationSpan::constant(unit(key(self.key)));
         }
         if self.interpolation == Interpolation::Linear {
-            return arc(unit(key(self.key)), unit(key(self.key + 1)), self.from, self.to);
+            return arc(key(self.key), key(self.key + 1), self.from, self.to);
         }
         let numbers: [SpanNumber; 4] = std::array::from_fn(|k| self.number(k));
         let length = |of: fn(&SpanNumber) -> f64| numbers.iter().map(|n| of(n) * of(n)).sum::<f64>().sqrt();
@@ -314,9 +315,13 @@ fn nearest_to_zero(a: DVec4, b: DVec4) -> f64 {
     (a + way * place.clamp(0.0, 1.0)).length()
 }
 
-/// The shorter arc between two rotations, from one part of the way to another.
-fn arc(a: DQuat, b: DQuat, from: f64, to: f64) -> RotationSpan {
-    let b = if a.dot(b) < 0.0 { -b } else { b };
+/// The shorter arc between two keys as stored, from one part of the way to another. Of half turns, the one that the
+/// evaluator takes: it goes by the sign of this sum, in this order, before the keys are brought to length one.
+fn arc(a: DVec4, b: DVec4, from: f64, to: f64) -> RotationSpan {
+    let [a, b] = [a, b].map(|key| if key == DVec4::ZERO { DVec4::W } else { key });
+    let is_opposite = a.dot(b) < 0.0;
+    let (a, b) = (unit(a), unit(b));
+    let b = if is_opposite { -b } else { b };
     let angle = 2.0 * (a - b).length().atan2((a + b).length());
     let at = |s: f64| {
         let sine = angle.sin();

@@ -1,0 +1,126 @@
+//! Spherical interpolation of quaternions, four at a time.
+//!
+//! With θ between the keys, `sin((1 − s)θ)/sin θ` and `sin(sθ)/sin θ` weigh them. Both are smooth in θ², and θ² is in
+//! `1 − cos θ`, so that neither needs the angle, nor anything special where it is small:
+//! `sin(sθ)/sin θ = s·S((sθ)²)/S(θ²)` with `S(x) = sin(√x)/√x`. The shorter arc has θ ≤ 90°, the range of the polynomials.
+//!
+//! Their coefficients interpolate the functions in the Chebyshev nodes of the interval, computed with 260 bits and rounded
+//! to `f64`. The bounds were found with the rounded ones, at 2001 even steps.
+//!
+//! Everything is sums, products, quotients and square roots in `f64`, which IEEE 754 rounds alike everywhere, without
+//! fused multiplications: the same bits on every platform. Each lane is computed as the others are, so it does not matter
+//! which arcs come together.
+//!
+//! Measured on the fox, 21 arcs, against arcs one by one, whose steps wait for each other: 1.4 instead of 2.0 µs per pose.
+//! No better: eight lanes, which do not fit the registers; a polynomial for `θ/sin θ` in place of the division, of degree
+//! 19 as well; with `libm`, 3.8 µs per pose.
+
+/// Arcs that are computed together.
+pub(super) const LANES: usize = 4;
+
+/// One number per arc.
+pub(super) type Lanes4 = [f64; LANES];
+
+/// θ²/y for y = 1 − cos θ in [0, 1], within 2⁻⁵⁶ relative to it.
+const SQUARE: [f64; 20] = [
+    2.0,
+    0.33333333333334236,
+    0.08888888888769016,
+    0.02857142863437903,
+    0.010158728414596523,
+    0.0038480332967846653,
+    0.0015219571595420725,
+    0.0006241964137401375,
+    0.0002451459418574807,
+    0.0001745148861685395,
+    -0.0001592831331954223,
+    0.0005395277675839511,
+    -0.0009917748430027734,
+    0.0014939102239561115,
+    -0.0016927385758383567,
+    0.001449363304895375,
+    -0.0009020060892722442,
+    0.0003882345560479792,
+    -0.00010348658822150871,
+    1.3126681285547233e-5,
+];
+
+/// sin(√x)/√x for x in [0, (π/2)²], within 2⁻⁵¹ relative to it. The constant is set to one, so that equal keys are met.
+const SINE: [f64; 8] = [
+    1.0,
+    -0.16666666666666072,
+    0.008333333333282756,
+    -0.00019841269824861897,
+    2.7557316609073673e-6,
+    -2.505188194671259e-8,
+    1.6048168318165643e-10,
+    -7.374387503862757e-13,
+];
+
+/// Interpolates from `a` to `b` along the shorter arc; `s` is the part of the way, 0 to 1. Components come first, then
+/// lanes: x, y, z, w of four quaternions.
+///
+/// Keys are finite `f32`, of any length; without one they count as the identity. The arc is the one of positive
+/// `((a₀b₀ + a₁b₁) + a₂b₂) + a₃b₃`, as rounded: the baker bounds the same one.
+///
+/// The result is a unit quaternion, off by 2⁻⁴⁷ at most. With u = 2⁻⁵³: `y` is off by 15u, θ² by 70u, and by that each
+/// weight by 14u relative to it; the polynomials, the lengths and the products add 24u; weights sum to at most √2.
+// In place LLVM tears the lanes apart to fit what surrounds them.
+#[inline(never)]
+pub(super) fn slerp(a: &[Lanes4; 4], b: &[Lanes4; 4], s: &Lanes4) -> [Lanes4; 4] {
+    let (a, b) = (with_length(a), with_length(b));
+    let (from_length, to_length) = (inverse_length(&a), inverse_length(&b));
+    let dot = dot(&a, &b);
+    let y = lanes(|k| 1.0 - dot[k].abs() * (from_length[k] * to_length[k]));
+    let square = polynomial(&SQUARE, y);
+    let square = lanes(|k| y[k] * square[k]);
+    let whole = polynomial(&SINE, square);
+    let whole = lanes(|k| 1.0 / whole[k]);
+    let rest = lanes(|k| 1.0 - s[k]);
+    let from = polynomial(&SINE, lanes(|k| rest[k] * rest[k] * square[k]));
+    let from = lanes(|k| from[k] * rest[k] * (from_length[k] * whole[k]));
+    let to = polynomial(&SINE, lanes(|k| s[k] * s[k] * square[k]));
+    let to = lanes(|k| to[k] * s[k] * (to_length[k] * whole[k]));
+    let to = lanes(|k| if dot[k] < 0.0 { -to[k] } else { to[k] });
+    let component = |i: usize| lanes(|k| from[k] * a[i][k] + to[k] * b[i][k]);
+    [component(0), component(1), component(2), component(3)]
+}
+
+/// The identity where a quaternion is zero. Squares of finite `f32` neither vanish nor overflow in `f64`.
+#[inline(always)]
+fn with_length(q: &[Lanes4; 4]) -> [Lanes4; 4] {
+    let square = dot(q, q);
+    let w = lanes(|k| if square[k] == 0.0 { 1.0 } else { q[3][k] });
+    [q[0], q[1], q[2], w]
+}
+
+#[inline(always)]
+fn inverse_length(q: &[Lanes4; 4]) -> Lanes4 {
+    let square = dot(q, q);
+    lanes(|k| 1.0 / square[k].sqrt())
+}
+
+#[inline(always)]
+fn dot(a: &[Lanes4; 4], b: &[Lanes4; 4]) -> Lanes4 {
+    lanes(|k| a[0][k] * b[0][k] + a[1][k] * b[1][k] + a[2][k] * b[2][k] + a[3][k] * b[3][k])
+}
+
+/// Σ cᵢxⁱ, by fours: within them in pairs, which do not wait for each other, then from the highest to the lowest.
+#[inline(always)]
+fn polynomial<const N: usize>(c: &[f64; N], x: Lanes4) -> Lanes4 {
+    let x2 = lanes(|k| x[k] * x[k]);
+    let x4 = lanes(|k| x2[k] * x2[k]);
+    let (fours, _) = c.as_chunks::<4>();
+    let four = |c: &[f64; 4]| lanes(|k| (c[0] + x[k] * c[1]) + x2[k] * (c[2] + x[k] * c[3]));
+    let add = |sum: Lanes4, next: Lanes4| lanes(|k| next[k] + x4[k] * sum[k]);
+    fours.iter().rev().map(four).reduce(add).unwrap_or_default()
+}
+
+/// As `std::array::from_fn`, which is not always inlined.
+#[inline(always)]
+fn lanes(of: impl Fn(usize) -> f64) -> Lanes4 {
+    [of(0), of(1), of(2), of(3)]
+}
+
+#[cfg(test)]
+mod tests;
