@@ -21,7 +21,6 @@ pub struct Asset {
     pose_spaces: PoseSpaces,
     /// Per reference row of kd-trees: whether it is the first of its triangle in its cluster.
     first_references: Vec<bool>,
-    clusters_without_track: usize,
     rest_boxes: RestBoxes,
     envelope_hints: EnvelopeHints,
     /// Over the clusters of an asset without vertex caches, in the rest pose.
@@ -105,7 +104,6 @@ impl Asset {
             let bounds = |cluster: u32| view.clusters[cluster as usize].bounds_local;
             top_level.rebuild(0..view.clusters.len() as u32, bounds);
         }
-        let clusters_without_track = view.clusters.partition_point(|cluster| cluster.track == NONE);
         let rest_boxes = RestBoxes::new(view);
         let envelope_hints = EnvelopeHints::new(view);
         let posing_limits = PosingLimits::new(view.vertices.len(), view.triangles.len());
@@ -116,7 +114,6 @@ impl Asset {
             box_steps,
             pose_spaces,
             first_references,
-            clusters_without_track,
             rest_boxes,
             envelope_hints,
             top_level,
@@ -173,11 +170,6 @@ impl Asset {
         let model = self.model();
         let cluster = &model.clusters[cluster as usize];
         &model.wide_nodes[cluster.node_first as usize..][..cluster.node_count as usize]
-    }
-
-    /// The first so many clusters have no track.
-    pub(crate) fn clusters_without_track(&self) -> usize {
-        self.clusters_without_track
     }
 
     /// What bones move in the rest pose.

@@ -66,6 +66,7 @@ mod motion_bounds;
 mod pose;
 mod pose_space;
 mod posed_bounds;
+mod posed_maps;
 mod posing;
 mod prepared;
 mod ray;

@@ -1,4 +1,4 @@
-use super::{Prepared, Whole};
+use super::{Prepared, Scratch, Whole};
 use crate::{Asset, vertex_memo::VertexMemo};
 use std::{
     cmp::Ordering,
@@ -20,6 +20,7 @@ pub(crate) struct PreparedPool {
     count: AtomicU32,
     pub wholes: Spare<Whole>,
     pub memos: Spare<VertexMemo>,
+    pub scratch: Spare<Scratch>,
 }
 
 /// The lowest number comes first: the same few are used again, whichever was put back last, so that they are in caches, and
@@ -55,6 +56,7 @@ impl PreparedPool {
             count: AtomicU32::new(0),
             wholes: Spare::default(),
             memos: Spare::default(),
+            scratch: Spare::default(),
         }
     }
 
