@@ -2,7 +2,7 @@
 
 use crate::{
     OpenError, cache::CACHE_ROUNDINGS, cluster_frame::vertex_error as vertex_error_of, envelope_hints::EnvelopeHints,
-    map::StoredModel, pose_space::PoseSpaces, posed_bounds::RestBoxes, posing::PosingLimits, top_level::TopLevel,
+    map::StoredModel, pose_space::PoseSpaces, posing::PosingLimits, rest_boxes::RestBoxes, top_level::TopLevel,
     vertex::rounding_count,
 };
 use restpose_formats::{

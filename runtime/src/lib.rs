@@ -71,6 +71,7 @@ mod posing;
 mod prepared;
 mod ray;
 mod refitted_tree;
+mod rest_boxes;
 mod scene;
 pub mod simd;
 mod stats;

@@ -26,7 +26,11 @@ pub(crate) struct PreparedPool {
 /// The lowest number comes first: the same few are used again, whichever was put back last, so that they are in caches, and
 /// have grown to what is asked of them.
 #[derive(Debug)]
-struct Numbered(Box<Prepared>);
+struct Numbered {
+    /// Beside the thing: to find the lowest touches none of the others.
+    number: u32,
+    prepared: Box<Prepared>,
+}
 
 impl PartialEq for Numbered {
     fn eq(&self, other: &Self) -> bool {
@@ -44,7 +48,7 @@ impl PartialOrd for Numbered {
 
 impl Ord for Numbered {
     fn cmp(&self, other: &Self) -> Ordering {
-        other.0.number.cmp(&self.0.number)
+        other.number.cmp(&self.number)
     }
 }
 
@@ -73,7 +77,7 @@ impl PreparedPool {
                     ..Prepared::default()
                 })
             },
-            |Numbered(prepared)| prepared,
+            |numbered| numbered.prepared,
         )
     }
 
@@ -82,7 +86,10 @@ impl PreparedPool {
         self.prepared
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
-            .push(Numbered(prepared));
+            .push(Numbered {
+                number: prepared.number,
+                prepared,
+            });
     }
 }
 
