@@ -114,7 +114,8 @@ impl AssetInstance {
         }
         let mut prepared = self.pool.take();
         let InstanceState { transform, pose } = &self.state;
-        let limits = self.asset().posing_limits().of(self.posing, &self.expected);
+        let wholes = self.pool.wholes.in_use();
+        let limits = self.asset().posing_limits().of(self.posing, &self.expected, wholes);
         prepared.prepare(&self.pool, *transform, limits, |evaluator, out| {
             pose.evaluate(self.asset().model(), evaluator, out);
         });

@@ -198,13 +198,11 @@ impl Prepared {
             self.demand.count_later(rays, limits);
             return Some(whole);
         }
-        // A little more or less changes no hit.
-        let work = self.demand.work();
-        if work >= limits.whole {
+        if limits.is_whole_due(&self.demand, || pool.wholes.in_use()) {
             let pose = |whole: &mut Whole| whole.pose(self, pool.asset());
             return self.whole.get_or_make(&pool.wholes, pose);
         }
-        if work >= limits.remembered {
+        if limits.is_remembered {
             let vertices = pool.asset().model().vertices.len();
             self.memo.get_or_make(&pool.memos, |memo| memo.begin(vertices));
         }

@@ -95,22 +95,35 @@ impl PreparedPool {
 
 /// Things of one kind that are not in use.
 #[derive(Debug)]
-pub(crate) struct Spare<T>(Mutex<Vec<Box<T>>>);
+pub(crate) struct Spare<T> {
+    things: Mutex<Vec<Box<T>>>,
+    /// How many are in use.
+    in_use: AtomicU32,
+}
 
 impl<T> Default for Spare<T> {
     fn default() -> Self {
-        Self(Mutex::default())
+        Self {
+            things: Mutex::default(),
+            in_use: AtomicU32::new(0),
+        }
     }
 }
 
 impl<T: Default> Spare<T> {
     /// One that is spare, or a new one.
     pub(super) fn take(&self) -> Box<T> {
-        let spare = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        self.in_use.fetch_add(1, Relaxed);
+        let spare = self.things.lock().unwrap_or_else(PoisonError::into_inner).pop();
         spare.unwrap_or_default()
     }
 
     pub(super) fn put(&self, thing: Box<T>) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(thing);
+        self.in_use.fetch_sub(1, Relaxed);
+        self.things.lock().unwrap_or_else(PoisonError::into_inner).push(thing);
+    }
+
+    pub(crate) fn in_use(&self) -> u32 {
+        self.in_use.load(Relaxed)
     }
 }
