@@ -2,8 +2,8 @@
 
 use crate::{
     OpenError, cache::CACHE_ROUNDINGS, cluster_frame::vertex_error as vertex_error_of, envelope_hints::EnvelopeHints,
-    map::StoredModel, pose_space::PoseSpaces, posed_bounds::RestBoxes, posing::PosingLimits,
-    prepared::TRIANGLES_PER_RAY, top_level::TopLevel, vertex::rounding_count,
+    map::StoredModel, pose_space::PoseSpaces, posing::PosingLimits, prepared::TRIANGLES_PER_RAY, rest_boxes::RestBoxes,
+    top_level::TopLevel, vertex::rounding_count,
 };
 use restpose_formats::{
     FormatError, ModelView, TreeKind, read, read_written,
@@ -25,7 +25,6 @@ pub struct Asset {
     pose_spaces: PoseSpaces,
     /// Per reference row of kd-trees: whether it is the first of its triangle in its cluster.
     first_references: Vec<bool>,
-    clusters_without_track: usize,
     rest_boxes: RestBoxes,
     envelope_hints: EnvelopeHints,
     /// Over the clusters of an asset without vertex caches, in the rest pose.
@@ -141,7 +140,6 @@ impl Asset {
             let bounds = |cluster: u32| view.clusters[cluster as usize].bounds_local;
             top_level.rebuild(0..view.clusters.len() as u32, bounds);
         }
-        let clusters_without_track = view.clusters.partition_point(|cluster| cluster.track == NONE);
         let rest_boxes = RestBoxes::new(view);
         let envelope_hints = EnvelopeHints::new(view);
         let posing_limits = PosingLimits::new(view.vertices.len(), view.triangles.len());
@@ -154,7 +152,6 @@ impl Asset {
             rays_of_followers,
             pose_spaces,
             first_references,
-            clusters_without_track,
             rest_boxes,
             envelope_hints,
             top_level,
@@ -211,11 +208,6 @@ impl Asset {
         let model = self.model();
         let cluster = &model.clusters[cluster as usize];
         &model.wide_nodes[cluster.node_first as usize..][..cluster.node_count as usize]
-    }
-
-    /// The first so many clusters have no track.
-    pub(crate) fn clusters_without_track(&self) -> usize {
-        self.clusters_without_track
     }
 
     /// What bones move in the rest pose.

@@ -114,8 +114,9 @@ impl AssetInstance {
         }
         let mut prepared = self.pool.take();
         let InstanceState { transform, pose } = &self.state;
-        let limits = self.asset().posing_limits().of(self.posing, &self.expected);
-        prepared.prepare(self.asset(), *transform, limits, |evaluator, out| {
+        let wholes = self.pool.wholes.in_use();
+        let limits = self.asset().posing_limits().of(self.posing, &self.expected, wholes);
+        prepared.prepare(&self.pool, *transform, limits, |evaluator, out| {
             pose.evaluate(self.asset().model(), evaluator, out);
         });
         prepared.stretch = match *pose {
@@ -149,7 +150,7 @@ impl AssetInstance {
             for pose in motion.poses() {
                 for at in 0..breakpoints.iter().map(Vec::len).max().unwrap_or(0) {
                     let frame = |cache: &Vec<f64>| cache[at.min(cache.len() - 1)];
-                    prepared.prepare(self.asset(), *transform, PosingLimits::NONE, |_, out| {
+                    prepared.prepare(&self.pool, *transform, PosingLimits::NONE, |_, out| {
                         out.clone_from(pose);
                         out.morph_weights.clone_from(&weights);
                         out.cache_frames.clear();
@@ -175,7 +176,7 @@ impl AssetInstance {
         let transform = motion.transform_at(&self.state, time);
         // How many rays come at the same time is not known; few do.
         prepared.stretch = None;
-        prepared.prepare(self.asset(), transform, PosingLimits::NONE, |_, out| {
+        prepared.prepare(&self.pool, transform, PosingLimits::NONE, |_, out| {
             motion.pose_at(time, out)
         });
     }

@@ -3,9 +3,9 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 /// How the triangles of an instance are posed for rays. Hits do not depend on it, only time and memory do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Posing {
-    /// As the rays come: at first a triangle is posed when a ray reaches it, from some number of rays on its vertices are
-    /// remembered, and from some more the whole instance is posed and its tree refitted, once for its pose; at the first ray,
-    /// where as many came in the last frame.
+    /// As the rays come: at first a triangle is posed when a ray reaches it, and from some number of rays on the whole
+    /// instance is posed and its tree refitted, once for its pose; at the first ray, where as many came in the last frame.
+    /// Where so many instances are whole that their trees do not stay in caches, only what saves more than that costs.
     #[default]
     Chosen,
     /// As [`Posing::Chosen`], where so many rays are expected in place of those of the last frame.
@@ -22,32 +22,48 @@ pub enum Posing {
 /// What rays cost an instance before more of it is posed than they reach. The unit is a triangle, posed and tested.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PosingLimits {
-    /// Before its vertices are remembered.
-    pub remembered: u32,
-    /// Before the whole of it is posed.
-    pub whole: u32,
+    /// Whether its vertices are remembered.
+    pub is_remembered: bool,
+    /// What posing the whole of it takes; 0 to do so at the first ray, `u32::MAX` for never.
+    whole: u32,
     /// What is beyond this is not counted.
-    pub counted: u32,
+    counted: u32,
+    /// Of its whole, what rays come by again and again.
+    kept_bytes: u32,
 }
 
-/// What posing costs in nanoseconds, measured on one thread (`restpose measure frame`, skins of 75k and 147k triangles):
+/// What posing costs in nanoseconds, measured on one thread with foxes of 576 to 147k triangles, alone and among others:
 /// only ratios matter.
+///
+/// To enter an instance's clusters takes a ray about as long as to walk the tree over its posed triangles (400 to 500 ns):
+/// what the whole saves are the tests.
 struct Costs;
 
 impl Costs {
-    /// Posing a vertex with others.
-    const VERTEX: f64 = 6.0;
-    /// Refitting the tree over a triangle.
-    const TRIANGLE: f64 = 12.0;
+    /// Posing a vertex with others; 6 where the memory is in caches, 11 where it is not.
+    const VERTEX: f64 = 8.0;
+    /// Refitting the tree over a triangle; 10 and 22.
+    const TRIANGLE: f64 = 16.0;
     /// Posing and testing a triangle that a ray reaches.
     const TEST: f64 = 80.0;
 }
 
-/// What it costs a ray to enter an instance and its clusters.
-const ENTRY: u32 = 4;
+/// What a ray's way through a posed tree that is in no cache takes beyond one through the file's, which all instances share:
+/// of 16 foxes 390 ns, of 64 700, of 250 and more 1,000 to 1,400.
+const COLD_RAY: u32 = 5;
 
-/// What a ray costs where nothing is known of the instance: of skins of 5k to 300k triangles, 6 to 80.
-const UNKNOWN_RAY: f64 = 12.0;
+/// Of posed trees, what rays come by again and again: 8 MiB are four times a second-level cache of today, and what its table
+/// of pages covers.
+const CACHED_BYTES: u64 = 8 << 20;
+
+/// The upper levels of one tree and the vertices that its rays meet most: ten instances of 7 MB were as fast as one.
+const KEPT_BYTES: f64 = (128 << 10) as f64;
+
+/// Bytes of a whole per vertex and per triangle.
+const WHOLE_BYTES: [f64; 2] = [12.0, 41.0];
+
+/// Triangles that a ray tests where nothing is known of the instance: of skins of 5k to 300k triangles, 4 to 100.
+const UNKNOWN_RAY: f64 = 8.0;
 
 impl Default for PosingLimits {
     fn default() -> Self {
@@ -58,57 +74,73 @@ impl Default for PosingLimits {
 impl PosingLimits {
     /// Nothing is posed beforehand.
     pub(crate) const NONE: Self = Self {
-        remembered: u32::MAX,
+        is_remembered: false,
         whole: u32::MAX,
         counted: 0,
+        kept_bytes: 0,
     };
 
-    /// The limits of an asset with so many vertices and triangles where nothing is known of the rays to come: when they
-    /// have taken as long as posing the whole, so that the total is at most twice that of the better way.
+    /// The limits of an asset with so many vertices and triangles where nothing is known of the rays to come: when the whole
+    /// would have saved as much as posing it takes, so that the total is at most twice that of the better way.
     pub(crate) fn new(vertices: usize, triangles: usize) -> Self {
-        let whole = (vertices as f64 * Costs::VERTEX + triangles as f64 * Costs::TRIANGLE) / Costs::TEST;
-        let whole = whole as u32;
+        let sum = |[vertex, triangle]: [f64; 2]| vertices as f64 * vertex + triangles as f64 * triangle;
+        let whole = (sum([Costs::VERTEX, Costs::TRIANGLE]) / Costs::TEST) as u32;
         Self {
-            remembered: whole / 8,
+            is_remembered: false,
             whole,
-            counted: whole,
+            // Enough to know whether rays save more than what they cost in a crowd.
+            counted: whole.saturating_mul(16),
+            kept_bytes: sum(WHOLE_BYTES).min(KEPT_BYTES) as u32,
         }
     }
 
-    /// The limits of a way of posing, of an instance of which so much is expected.
-    pub(crate) fn of(&self, posing: Posing, expected: &Expected) -> Self {
-        let work = match posing {
-            Posing::Chosen => expected.work,
-            Posing::Expecting(rays) => f64::from(rays) * expected.per_ray,
+    /// The limits of a way of posing, of an instance of which so much is expected, among so many that are whole.
+    pub(crate) fn of(&self, posing: Posing, expected: &Expected, wholes: u32) -> Self {
+        let rays = match posing {
+            Posing::Chosen => expected.rays,
+            Posing::Expecting(rays) => f64::from(rays),
             Posing::Recomputed => return Self::NONE,
             Posing::Remembered => {
                 return Self {
-                    remembered: 0,
+                    is_remembered: true,
                     ..Self::NONE
                 };
             }
-            Posing::Whole => {
-                return Self {
-                    remembered: 0,
-                    whole: 0,
-                    counted: 0,
-                };
-            }
+            Posing::Whole => return Self { whole: 0, ..Self::NONE },
         };
         // What is expected need not be waited for.
-        let at_once = |limit: u32| if work >= f64::from(limit) { 0 } else { limit };
+        let saved = rays * (expected.per_ray - f64::from(self.cold_ray(wholes)));
         Self {
-            remembered: at_once(self.remembered),
-            whole: at_once(self.whole),
-            counted: self.counted,
+            whole: if saved >= f64::from(self.whole) { 0 } else { self.whole },
+            ..*self
         }
+    }
+
+    /// Whether it is time to pose the whole; `wholes` tells how many are.
+    #[inline]
+    pub(crate) fn is_whole_due(&self, demand: &Demand, wholes: impl FnOnce() -> u32) -> bool {
+        // A little more or less changes no hit.
+        let work = demand.work.load(Relaxed);
+        if work < self.whole || self.whole == u32::MAX {
+            return false;
+        }
+        self.whole == 0 || {
+            let cold = u64::from(demand.rays.load(Relaxed)) * u64::from(self.cold_ray(wholes()));
+            u64::from(work) >= u64::from(self.whole) + cold
+        }
+    }
+
+    /// What each ray would cost in one more whole beside so many.
+    fn cold_ray(&self, wholes: u32) -> u32 {
+        let kept = u64::from(wholes) * u64::from(self.kept_bytes);
+        if kept > CACHED_BYTES { COLD_RAY } else { 0 }
     }
 }
 
 /// What rays cost an instance in its pose, as far as it is counted.
 #[derive(Debug, Default)]
 pub(crate) struct Demand {
-    /// Rays that met it before it was posed whole, and what they cost.
+    /// Rays that met it before it was posed whole, and what they tested.
     rays: AtomicU32,
     work: AtomicU32,
     /// Rays that met it after.
@@ -120,16 +152,12 @@ impl Demand {
         *self = Self::default();
     }
 
-    pub(crate) fn work(&self) -> u32 {
-        self.work.load(Relaxed)
-    }
-
     /// Counts a ray for which so many triangles were tested, where the whole was not posed.
     pub(crate) fn count(&self, tests: u32, limits: &PosingLimits) {
         // Beyond what matters nothing is counted, and threads do not meet here.
-        if self.work() < limits.counted {
+        if self.work.load(Relaxed) < limits.counted && self.rays.load(Relaxed) < limits.counted {
             self.rays.fetch_add(1, Relaxed);
-            self.work.fetch_add(tests.saturating_add(ENTRY), Relaxed);
+            self.work.fetch_add(tests, Relaxed);
         }
     }
 
@@ -144,14 +172,14 @@ impl Demand {
 /// What an instance's rays are expected to cost: what those of the last frame did.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Expected {
-    work: f64,
+    rays: f64,
     /// Where the whole was posed from the beginning, as in the last frame in which it was not.
     per_ray: f64,
 }
 
 impl Expected {
     pub(crate) const NOTHING: Self = Self {
-        work: 0.0,
+        rays: 0.0,
         per_ray: UNKNOWN_RAY,
     };
 
@@ -162,7 +190,7 @@ impl Expected {
         if rays > 0.0 {
             self.per_ray = count(|demand| &demand.work) / rays;
         }
-        self.work = (rays + later) * self.per_ray;
+        self.rays = rays + later;
     }
 }
 
@@ -170,23 +198,22 @@ impl Expected {
 mod tests {
     use super::*;
 
-    /// Frames of so many rays, each of which tests so many triangles: in which of them the whole was posed, and after how
-    /// many rays.
-    fn frames(rays: &[u32], tests: u32) -> Vec<Option<u32>> {
+    /// Frames of so many rays, each of which tests so many triangles, beside so many wholes: in which of them the whole was
+    /// posed, and after how many rays.
+    fn frames(rays: &[u32], tests: u32, wholes: u32) -> Vec<Option<u32>> {
         let own = PosingLimits::new(10_000, 20_000);
         let mut expected = Expected::NOTHING;
         let frame = |rays: &u32| {
-            let limits = own.of(Posing::Chosen, &expected);
+            let limits = own.of(Posing::Chosen, &expected, wholes);
             let demand = Demand::default();
             let mut whole = None;
             for ray in 0..*rays {
-                if whole.is_some() {
-                    demand.count_later(1, &limits);
-                } else if demand.work() >= limits.whole {
+                if whole.is_none() && limits.is_whole_due(&demand, || wholes) {
                     whole = Some(ray);
-                    demand.count_later(1, &limits);
-                } else {
-                    demand.count(tests, &limits);
+                }
+                match whole {
+                    Some(_) => demand.count_later(1, &limits),
+                    None => demand.count(tests, &limits),
                 }
             }
             expected.after(Some(&demand));
@@ -197,26 +224,56 @@ mod tests {
 
     #[test]
     fn the_whole_is_posed_at_once_where_as_many_rays_came_before() {
-        // 3,750 units: rays of 20 are worth it after 188, of 80 after 47.
+        // 5,000 tests: rays of 20 are worth it after 250, of 80 after 63.
         assert_eq!(
-            frames(&[1000, 1000, 1000, 100, 100, 1000], 16),
-            [Some(188), Some(0), Some(0), Some(0), None, Some(188)]
+            frames(&[1000, 1000, 1000, 100, 100, 1000], 20, 0),
+            [Some(250), Some(0), Some(0), Some(0), None, Some(250)]
         );
-        assert_eq!(frames(&[100, 100, 100], 76), [Some(47), Some(0), Some(0)]);
-        assert_eq!(frames(&[100, 100], 16), [None, None]);
+        assert_eq!(frames(&[100, 100, 100], 80, 0), [Some(63), Some(0), Some(0)]);
+        assert_eq!(frames(&[100, 100], 20, 0), [None, None]);
+        assert_eq!(frames(&[100_000; 2], 0, 0), [None, None]);
+    }
+
+    /// 64 of these are what caches hold.
+    #[test]
+    fn in_a_crowd_the_whole_is_posed_where_it_saves_more_than_cold_memory_costs() {
+        assert_eq!(frames(&[1000, 1000], 20, 64), [Some(250), Some(0)]);
+        // A third of a ray's tests is not saved.
+        assert_eq!(
+            frames(&[1000, 1000, 300, 300], 15, 65),
+            [Some(500), Some(0), Some(0), None]
+        );
+        assert_eq!(frames(&[100_000, 100_000], 5, 65), [None, None]);
+        assert_eq!(frames(&[100_000, 100_000], 5, 64), [Some(1000), Some(0)]);
+    }
+
+    /// More small instances are held than large ones, and no less of large ones the larger they are.
+    #[test]
+    fn what_is_kept_is_bounded() {
+        let kept = |triangles: usize| PosingLimits::new(triangles / 2, triangles).kept_bytes;
+        assert_eq!(
+            (kept(100), kept(10_000), kept(1_000_000)),
+            (4_700, 128 << 10, 128 << 10)
+        );
     }
 
     #[test]
     fn ways_that_are_asked_for_are_taken() {
         let own = PosingLimits::new(10_000, 20_000);
         let limits = |posing| {
-            let limits = own.of(posing, &Expected::NOTHING);
-            (limits.remembered, limits.whole)
+            let limits = own.of(posing, &Expected::NOTHING, 0);
+            let demand = Demand::default();
+            let is_due = |work: u32| {
+                demand.work.store(work, Relaxed);
+                limits.is_whole_due(&demand, || 0)
+            };
+            (limits.is_remembered, is_due(0), is_due(u32::MAX))
         };
-        assert_eq!(limits(Posing::Recomputed), (u32::MAX, u32::MAX));
-        assert_eq!(limits(Posing::Remembered), (0, u32::MAX));
-        assert_eq!(limits(Posing::Whole), (0, 0));
-        assert_eq!(limits(Posing::Expecting(1_000_000)), (0, 0));
-        assert_eq!(limits(Posing::Expecting(1)), limits(Posing::Chosen));
+        assert_eq!(limits(Posing::Recomputed), (false, false, false));
+        assert_eq!(limits(Posing::Remembered), (true, false, false));
+        assert_eq!(limits(Posing::Whole), (false, true, true));
+        assert_eq!(limits(Posing::Expecting(1_000_000)), (false, true, true));
+        assert_eq!(limits(Posing::Expecting(1)), (false, false, true));
+        assert_eq!(limits(Posing::Chosen), (false, false, true));
     }
 }

@@ -171,13 +171,23 @@ fn blend_keys<S: Lanes>(simd: S, model: &ModelView, source: &CacheSource, vertex
 /// As [`Affine::transform_point`], for a point of three splats.
 #[inline(always)]
 fn transform<S: Lanes>(simd: S, map: &Affine, [x, y, z]: [S::F4; 3]) -> S::F4 {
+    let [c0, c1, c2, c3] = columns4(simd, map);
+    let sum = simd.add4(simd.mul4(c0, x), simd.mul4(c1, y));
+    simd.add4(simd.add4(sum, simd.mul4(c2, z)), c3)
+}
+
+/// The columns of a map, three numbers each, and a fourth that means nothing.
+#[inline(always)]
+pub(crate) fn columns4<S: Lanes>(simd: S, map: &Affine) -> [S::F4; 4] {
     // Four numbers from the beginning of a column, of which the fourth is the next column's, or up to the end of the last.
     let numbers: &[f32; 12] = bytemuck::cast_ref(map);
     let from = |first: usize| numbers[first..].first_chunk::<4>().unwrap_or(&[0.0; 4]);
-    let (c0, c1, c2) = (simd.load4(from(0)), simd.load4(from(3)), simd.load4(from(6)));
-    let c3 = simd.rotate4(simd.load4(from(8)));
-    let sum = simd.add4(simd.mul4(c0, x), simd.mul4(c1, y));
-    simd.add4(simd.add4(sum, simd.mul4(c2, z)), c3)
+    [
+        simd.load4(from(0)),
+        simd.load4(from(3)),
+        simd.load4(from(6)),
+        simd.rotate4(simd.load4(from(8))),
+    ]
 }
 
 #[cfg(test)]

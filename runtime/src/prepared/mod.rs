@@ -20,11 +20,13 @@ use crate::{
     box_tree::{BoxTree, triangle_box},
     build::BvhSettings,
     cache::CacheState,
-    cluster_frame::{Map64, PosedMap, posed_map},
+    cluster_frame::{Map64, PosedMap},
     excess::Motions,
     motion_bounds::widened_for_motion,
-    posed_bounds::{cluster_bounds, morph_extent},
+    posed_bounds::morph_extent,
+    posed_maps::posed_maps,
     posing::{Demand, PosingLimits},
+    rest_boxes::{ClusterBoxes, cluster_bounds},
     simd::SimdLevel,
     stats::Count,
     top_level::TopLevel,
@@ -43,7 +45,6 @@ use restpose_formats::{
 pub(crate) struct Prepared {
     /// Unlike that of all others of its pool.
     number: u32,
-    evaluator: PoseEvaluator,
     pub transform: Affine,
     /// Asset space from rest space, and what goes with it.
     pub pose: Pose,
@@ -66,33 +67,43 @@ pub(crate) struct Prepared {
     whole: Kept<Whole>,
 }
 
+/// What preparing an instance takes, and nobody needs afterwards: one for each thread that prepares, so that it stays in
+/// caches.
+#[derive(Debug, Default)]
+pub(crate) struct Scratch {
+    evaluator: PoseEvaluator,
+    boxes: ClusterBoxes,
+}
+
 impl Prepared {
     /// Begins a pose, which `evaluate` writes.
     ///
     /// Complexity: per bone and cluster, not per triangle, but for free motion.
     pub(crate) fn prepare(
         &mut self,
-        asset: &Asset,
+        pool: &PreparedPool,
         transform: Affine,
         limits: PosingLimits,
         evaluate: impl FnOnce(&mut PoseEvaluator, &mut Pose),
     ) {
+        let (asset, simd) = (pool.asset(), SimdLevel::detect());
         let model = asset.model();
+        let mut scratch = pool.scratch.take();
         self.demand.begin();
         self.limits = limits;
         self.transform = transform;
-        evaluate(&mut self.evaluator, &mut self.pose);
+        evaluate(&mut scratch.evaluator, &mut self.pose);
         self.morph_extent = morph_extent(model, &self.pose.morph_weights);
+        posed_maps(simd, &transform, &self.pose.palette, &mut self.posed);
         let transform = Map64::new(&transform);
-        self.posed.clear();
-        self.posed
-            .extend(self.pose.palette.iter().map(|x| posed_map(&transform, x)));
         self.caches.resize_with(model.caches.len(), CacheState::default);
         for (index, cache) in model.caches.iter().enumerate() {
             let world = [transform, Map64::new(&self.pose.palette[cache.bone as usize])];
             self.caches[index].update(model, cache, self.pose.cache_frames[index], &world);
         }
-        self.place_clusters(asset);
+        cluster_bounds(simd, asset, &self.posed, self.morph_extent, &mut scratch.boxes);
+        self.place_clusters(asset, &scratch.boxes.bounds);
+        pool.scratch.put(scratch);
     }
 
     /// Gives back what only many rays need.
@@ -101,7 +112,8 @@ impl Prepared {
         self.whole.give_back(&pool.wholes);
     }
 
-    fn place_clusters(&mut self, asset: &Asset) {
+    /// `without_track` are the world boxes of the clusters without a track.
+    fn place_clusters(&mut self, asset: &Asset, without_track: &[Aabb]) {
         let model = asset.model();
         let mut slot = 0;
         let mut place = |clusters: &mut Vec<ClusterState>, row: u32, cache: u32, bounds: Aabb, tree: u32| {
@@ -112,10 +124,8 @@ impl Prepared {
             slot += 1;
         };
         let mut clusters = std::mem::take(&mut self.clusters);
-        let without_track = asset.clusters_without_track();
-        for (row, cluster) in (0..).zip(&model.clusters[..without_track]) {
-            let bounds = cluster_bounds(asset, cluster, &self.posed, self.morph_extent);
-            place(&mut clusters, row, NONE, bounds, NONE);
+        for (row, bounds) in (0..).zip(without_track) {
+            place(&mut clusters, row, NONE, *bounds, NONE);
         }
         let mut trees = 0;
         for (index, cache) in (0u32..).zip(model.caches) {
@@ -188,13 +198,11 @@ impl Prepared {
             self.demand.count_later(rays, limits);
             return Some(whole);
         }
-        // A little more or less changes no hit.
-        let work = self.demand.work();
-        if work >= limits.whole {
+        if limits.is_whole_due(&self.demand, || pool.wholes.in_use()) {
             let pose = |whole: &mut Whole| whole.pose(self, pool.asset());
             return self.whole.get_or_make(&pool.wholes, pose);
         }
-        if work >= limits.remembered {
+        if limits.is_remembered {
             let vertices = pool.asset().model().vertices.len();
             self.memo.get_or_make(&pool.memos, |memo| memo.begin(vertices));
         }

@@ -1,4 +1,4 @@
-use super::{Prepared, Whole};
+use super::{Prepared, Scratch, Whole};
 use crate::{Asset, vertex_memo::VertexMemo};
 use std::{
     cmp::Ordering,
@@ -20,12 +20,17 @@ pub(crate) struct PreparedPool {
     count: AtomicU32,
     pub wholes: Spare<Whole>,
     pub memos: Spare<VertexMemo>,
+    pub scratch: Spare<Scratch>,
 }
 
 /// The lowest number comes first: the same few are used again, whichever was put back last, so that they are in caches, and
 /// have grown to what is asked of them.
 #[derive(Debug)]
-struct Numbered(Box<Prepared>);
+struct Numbered {
+    /// Beside the thing: to find the lowest touches none of the others.
+    number: u32,
+    prepared: Box<Prepared>,
+}
 
 impl PartialEq for Numbered {
     fn eq(&self, other: &Self) -> bool {
@@ -43,7 +48,7 @@ impl PartialOrd for Numbered {
 
 impl Ord for Numbered {
     fn cmp(&self, other: &Self) -> Ordering {
-        other.0.number.cmp(&self.0.number)
+        other.number.cmp(&self.number)
     }
 }
 
@@ -55,6 +60,7 @@ impl PreparedPool {
             count: AtomicU32::new(0),
             wholes: Spare::default(),
             memos: Spare::default(),
+            scratch: Spare::default(),
         }
     }
 
@@ -71,7 +77,7 @@ impl PreparedPool {
                     ..Prepared::default()
                 })
             },
-            |Numbered(prepared)| prepared,
+            |numbered| numbered.prepared,
         )
     }
 
@@ -80,28 +86,44 @@ impl PreparedPool {
         self.prepared
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
-            .push(Numbered(prepared));
+            .push(Numbered {
+                number: prepared.number,
+                prepared,
+            });
     }
 }
 
 /// Things of one kind that are not in use.
 #[derive(Debug)]
-pub(crate) struct Spare<T>(Mutex<Vec<Box<T>>>);
+pub(crate) struct Spare<T> {
+    things: Mutex<Vec<Box<T>>>,
+    /// How many are in use.
+    in_use: AtomicU32,
+}
 
 impl<T> Default for Spare<T> {
     fn default() -> Self {
-        Self(Mutex::default())
+        Self {
+            things: Mutex::default(),
+            in_use: AtomicU32::new(0),
+        }
     }
 }
 
 impl<T: Default> Spare<T> {
     /// One that is spare, or a new one.
     pub(super) fn take(&self) -> Box<T> {
-        let spare = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        self.in_use.fetch_add(1, Relaxed);
+        let spare = self.things.lock().unwrap_or_else(PoisonError::into_inner).pop();
         spare.unwrap_or_default()
     }
 
     pub(super) fn put(&self, thing: Box<T>) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(thing);
+        self.in_use.fetch_sub(1, Relaxed);
+        self.things.lock().unwrap_or_else(PoisonError::into_inner).push(thing);
+    }
+
+    pub(crate) fn in_use(&self) -> u32 {
+        self.in_use.load(Relaxed)
     }
 }

@@ -1,0 +1,97 @@
+//! World space from rest space of all bones at once: the bits of [`posed_map`].
+
+#[cfg(target_arch = "x86_64")]
+use crate::simd::Avx2;
+use crate::{
+    Affine,
+    cluster_frame::{Map64, posed_map},
+    simd::SimdLevel,
+};
+
+/// Writes the map that vertices are posed by, per bone.
+pub(crate) fn posed_maps(level: SimdLevel, transform: &Affine, palette: &[Affine], out: &mut Vec<Affine>) {
+    if *transform == Affine::IDENTITY {
+        out.clear();
+        out.extend_from_slice(palette);
+        return;
+    }
+    out.resize(palette.len(), Affine::IDENTITY);
+    #[cfg(target_arch = "x86_64")]
+    if let (SimdLevel::Avx2, Some(_)) = (level, Avx2::new()) {
+        #[target_feature(enable = "avx2,popcnt")]
+        fn compiled(transform: &Affine, palette: &[Affine], out: &mut [Affine]) {
+            products(transform, palette, out);
+        }
+        #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
+        // SAFETY: an `Avx2` exists only on machines that have both features.
+        return unsafe { compiled(transform, palette, out) };
+    }
+    products(transform, palette, out);
+}
+
+/// Loops over four lanes become vectors of whatever width there is. Nothing is fused, and every lane adds in the order of
+/// the scalar product.
+#[inline(always)]
+fn products(transform: &Affine, palette: &[Affine], out: &mut [Affine]) {
+    let mut t = [[0.0f64; 4]; 4];
+    for j in 0..4 {
+        for k in 0..3 {
+            t[j][k] = f64::from(transform.columns[j][k]);
+        }
+    }
+    for (x, out) in palette.iter().zip(out) {
+        // Left out of the product, as there.
+        if *x == Affine::IDENTITY {
+            *out = posed_map(&Map64::new(transform), x);
+            continue;
+        }
+        for j in 0..4 {
+            let [a, b, c] = [
+                f64::from(x.columns[j][0]),
+                f64::from(x.columns[j][1]),
+                f64::from(x.columns[j][2]),
+            ];
+            let mut lanes = [0.0f32; 4];
+            for k in 0..4 {
+                let offset = if j == 3 { t[3][k] } else { 0.0 };
+                lanes[k] = (t[0][k] * a + t[1][k] * b + t[2][k] * c + offset) as f32;
+            }
+            out.columns[j] = [lanes[0], lanes[1], lanes[2]];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn maps_are_those_of_the_scalar_product() {
+        let mut random = fastrand::Rng::with_seed(23);
+        for round in 0..2000 {
+            let mut map = |identity: bool| {
+                if identity {
+                    return Affine::IDENTITY;
+                }
+                let scale = 10f32.powi(random.i32(-36..36));
+                let mut entry = || match random.u8(..16) {
+                    0 => -0.0,
+                    1 => f32::MAX,
+                    _ => (random.f32() - 0.5) * scale,
+                };
+                Affine {
+                    columns: std::array::from_fn(|_| std::array::from_fn(|_| entry())),
+                }
+            };
+            let transform = map(round % 5 == 0);
+            let palette: Vec<Affine> = (0..round % 7).map(|bone| map(bone == 2)).collect();
+            let bits = |maps: &[Affine]| -> Vec<[u32; 12]> { maps.iter().map(|map| bytemuck::cast(*map)).collect() };
+            let expected: Vec<Affine> = palette.iter().map(|x| posed_map(&Map64::new(&transform), x)).collect();
+            for level in [SimdLevel::Portable, SimdLevel::detect()] {
+                let mut found = vec![Affine::IDENTITY; 3];
+                posed_maps(level, &transform, &palette, &mut found);
+                assert_eq!(bits(&found), bits(&expected), "round {round}");
+            }
+        }
+    }
+}
