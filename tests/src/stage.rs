@@ -42,21 +42,21 @@ impl Stage {
 
     /// The frame as it stands, its brute force and its landmarks.
     pub fn commit(&mut self) -> (Frame<'_>, Oracle, Landmarks) {
-        let palettes: Vec<Vec<Affine>> = self
+        let poses: Vec<(Vec<Affine>, Vec<f32>)> = self
             .actors
             .iter()
             .map(|(instance, ..)| {
                 self.scene
                     .pose(*instance)
-                    .map_or_else(|_| Vec::new(), |pose| pose.palette)
+                    .map_or_else(|_| Default::default(), |pose| (pose.palette, pose.morph_weights))
             })
             .collect();
         let frame = self.scene.commit();
         let instances: Vec<InstanceId> = self.actors.iter().map(|(instance, ..)| *instance).collect();
         let oracle = Oracle::new(&frame, &instances);
         let mut marks = Landmarks::default();
-        for ((instance, asset, transform), palette) in self.actors.iter().zip(&palettes) {
-            marks.add(&frame, *instance, asset, palette, *transform);
+        for ((instance, asset, transform), (palette, morph_weights)) in self.actors.iter().zip(&poses) {
+            marks.add(&frame, *instance, asset, (palette, morph_weights), *transform);
         }
         (frame, oracle, marks)
     }
