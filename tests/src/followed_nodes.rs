@@ -52,16 +52,8 @@ pub fn contradictions(model: &ModelView) -> Vec<Contradiction> {
         let below = triangles_below(nodes);
         let lattice = RestLattice::new(cluster_bones(model, cluster));
         for (node, own) in (0u32..).zip(nodes).filter(|(_, node)| node.mover_count != 0) {
-            for (place, (child, rest)) in (0u32..).zip(wide_boxes(own)) {
-                let leaf;
-                let triangles = match child {
-                    WideChild::Node(index) => &below[index as usize],
-                    WideChild::Leaf(triangle) => {
-                        leaf = BTreeSet::from([triangle]);
-                        &leaf
-                    }
-                    WideChild::Empty => continue,
-                };
+            let places = wide_boxes(own).zip(triangles_by_place(own, &below));
+            for (place, ((_, rest), triangles)) in (0u32..).zip(places) {
                 let corners = triangles
                     .iter()
                     .flat_map(|triangle| model.triangles[*triangle as usize].corners);
@@ -89,36 +81,38 @@ pub fn contradictions(model: &ModelView) -> Vec<Contradiction> {
     out
 }
 
-fn nodes<'a>(model: &ModelView<'a>, cluster: &ClusterRow) -> &'a [WideNodeRow] {
+pub(crate) fn nodes<'a>(model: &ModelView<'a>, cluster: &ClusterRow) -> &'a [WideNodeRow] {
     model
         .wide_nodes
         .get(cluster.node_first as usize..(cluster.node_first + cluster.node_count) as usize)
         .unwrap_or_default()
 }
 
-fn cluster_bones<'a>(model: &ModelView<'a>, cluster: &ClusterRow) -> &'a [ClusterBoneRow] {
+pub(crate) fn cluster_bones<'a>(model: &ModelView<'a>, cluster: &ClusterRow) -> &'a [ClusterBoneRow] {
     &model.cluster_bones[cluster.cluster_bone_first as usize..][..cluster.cluster_bone_count as usize]
 }
 
 /// Per node.
-fn triangles_below(nodes: &[WideNodeRow]) -> Vec<BTreeSet<u32>> {
+pub(crate) fn triangles_below(nodes: &[WideNodeRow]) -> Vec<BTreeSet<u32>> {
     let mut out = vec![BTreeSet::new(); nodes.len()];
     // Children stand behind their parents.
     for at in (0..nodes.len()).rev() {
-        for child in nodes[at].children() {
-            match child {
-                WideChild::Leaf(triangle) => {
-                    out[at].insert(triangle);
-                }
-                WideChild::Node(index) => {
-                    let inner = out[index as usize].clone();
-                    out[at].extend(inner);
-                }
-                WideChild::Empty => {}
-            }
-        }
+        let all = triangles_by_place(&nodes[at], &out).flatten().collect();
+        out[at] = all;
     }
     out
+}
+
+/// The triangles below each place of a node, where `below` are those of the nodes behind it.
+pub(crate) fn triangles_by_place<'a>(
+    node: &'a WideNodeRow,
+    below: &'a [BTreeSet<u32>],
+) -> impl Iterator<Item = BTreeSet<u32>> + use<'a> {
+    node.children().map(|child| match child {
+        WideChild::Leaf(triangle) => BTreeSet::from([triangle]),
+        WideChild::Node(index) => below[index as usize].clone(),
+        WideChild::Empty => BTreeSet::new(),
+    })
 }
 
 fn corners_of(lattice: &RestLattice, rest: &ReferenceBoxRow) -> [Point; 2] {

@@ -20,6 +20,7 @@ pub fn kd_twin(asset: &Asset) -> Arc<Asset> {
     assert_eq!(model.meta.tree, TreeKind::Wide);
     model.meta.tree = TreeKind::Kd;
     let nodes = std::mem::take(&mut model.wide_nodes);
+    model.node_movers.clear();
     let triangles = std::mem::take(&mut model.references);
     for cluster in &mut model.clusters {
         let own = &triangles[cluster.reference_first as usize..][..cluster.reference_count as usize];

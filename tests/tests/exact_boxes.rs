@@ -14,7 +14,7 @@ use restpose_tests::{
     Recipe, baked_with,
     escapes::{Escape, escapes},
     followed_nodes::contradictions,
-    random_animation, sample_scenes,
+    following_twin, random_animation, sample_scenes,
 };
 use std::sync::Arc;
 
@@ -189,10 +189,10 @@ fn vertices_of_random_animations_stay_in_their_boxes_in_clips() {
     assert!(total.clusters > 3_000 && total.following > 0, "{total:?}");
 }
 
-/// The same in poses of all families, far outside.
+/// The same in poses of all families, far outside; then with all nodes following the pose that can.
 #[test]
 fn vertices_of_random_animations_stay_in_widened_boxes_anywhere() {
-    let mut total = Compared::default();
+    let [mut total, mut following] = [Compared::default(); 2];
     for seed in 100..180 {
         let recipe = recipe(seed);
         let animation = random_animation(&recipe);
@@ -216,4 +216,5 @@ fn vertices_of_random_animations_stay_in_widened_boxes_anywhere() {
         total.outside > 3_000 && total.outside < total.clusters && total.following > 0,
         "{total:?}"
     );
+    assert!(following.following > 2 * total.following, "{following:?}");
 }
