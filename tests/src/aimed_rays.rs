@@ -120,20 +120,17 @@ impl<'a> AimedRays<'a> {
     /// A point whose local coordinate on one axis is that of a plane, and the axis.
     fn local_plane(&mut self, lattice: bool) -> ([f32; 3], usize) {
         let marks = self.marks;
-        let with_planes = |planes: &&crate::LocalPlanes| lattice || !planes.splits.is_empty();
-        let clusters: Vec<_> = marks.local.iter().filter(with_planes).collect();
+        let of_cluster = |planes: &'a crate::LocalPlanes| if lattice { &planes.sides } else { &planes.splits };
+        let clusters: Vec<_> = marks
+            .local
+            .iter()
+            .filter(|planes| !of_cluster(planes).is_empty())
+            .collect();
         if clusters.is_empty() {
             return self.box_face();
         }
         let planes = clusters[self.random.usize(..clusters.len())];
-        let (axis, plane) = if lattice {
-            let (axis, row) = (self.random.usize(..3), self.random.usize(..planes.boxes.len()));
-            let row = planes.boxes[row];
-            let side = if self.random.bool() { row.min } else { row.max };
-            (axis, planes.lattice_plane(axis, side[axis]))
-        } else {
-            planes.splits[self.random.usize(..planes.splits.len())]
-        };
+        let (axis, plane) = of_cluster(planes)[self.random.usize(..of_cluster(planes).len())];
         let mut local = self.point(&planes.bounds, 1.5);
         local[axis] = plane;
         (planes.world_from_local.transform_point(local), axis)

@@ -1,5 +1,5 @@
 //! The first proof obligation of the contract: every corner of every triangle in its box, widened by the pose's excess
-//! and by nothing else, in exact arithmetic.
+//! and by nothing else, in exact arithmetic. Boxes that follow the pose are not widened at all.
 //!
 //! Written from `FORMAT.md`, sections 5.3 and 6.2 to 6.7; it shares no arithmetic with the baker or the runtime. There is
 //! no division in it: with adj X the adjugate of a cluster frame's linear part, `X⁻¹v ≥ b` is `adj X·(v − t) ≥ b·det X` for
@@ -7,6 +7,7 @@
 
 use crate::{
     Dyadic,
+    followed_nodes::Followed,
     widened_tree::{Tree, Widened},
 };
 use restpose_formats::ModelView;
@@ -69,7 +70,8 @@ pub fn escapes(
             scale: &frame.scale,
             excess: excess.map(Dyadic::from),
         };
-        let tree = Tree::new(model, cluster, &widened);
+        let followed = Followed::new(model, cluster, &frame, &posed.maps, &posed.morph_weights);
+        let tree = Tree::new(model, cluster, &widened, &followed);
         let mut fuzzy: BTreeMap<u32, Point> = BTreeMap::new();
         for (triangle, boxes) in tree.boxes_by_triangle() {
             for vertex in model.triangles[triangle as usize].corners {
@@ -136,12 +138,12 @@ impl Posed<'_> {
 }
 
 /// A cluster frame.
-struct Frame {
+pub(crate) struct Frame {
     /// Rows of the adjugate, its signs turned where the determinant is negative.
     adjugate: [Point; 3],
     translation: Point,
     /// The determinant's magnitude.
-    scale: Dyadic,
+    pub(crate) scale: Dyadic,
 }
 
 impl Frame {
@@ -166,7 +168,44 @@ impl Frame {
     /// The fuzzy position of a posed vertex, times `scale`.
     fn scaled_fuzzy_position(&self, posed: &Point) -> Point {
         let from_origin = std::array::from_fn(|k| &posed[k] - &self.translation[k]);
-        self.adjugate.each_ref().map(|row| dot(row, &from_origin))
+        self.turned(&from_origin)
+    }
+
+    /// How a bone with this map moves against the cluster, times `scale`.
+    pub(crate) fn scaled_motion(&self, [x, y, z, translation]: &[Point; 4]) -> Motion {
+        let mut linear = [x, y, z].map(|column| self.turned(column));
+        for (k, column) in linear.iter_mut().enumerate() {
+            column[k] = &column[k] - &self.scale;
+        }
+        let away = std::array::from_fn(|k| &translation[k] - &self.translation[k]);
+        Motion {
+            linear,
+            offset: self.turned(&away),
+        }
+    }
+
+    fn turned(&self, vector: &Point) -> Point {
+        self.adjugate.each_ref().map(|row| dot(row, vector))
+    }
+}
+
+/// What a bone adds to a local point that follows it: `E·p + d`.
+pub(crate) struct Motion {
+    /// Columns of E.
+    linear: [Point; 3],
+    offset: Point,
+}
+
+impl Motion {
+    pub(crate) fn of_point(&self, point: &Point) -> Point {
+        let [x, y, z] = &self.linear;
+        std::array::from_fn(|k| &dot(&[x[k].clone(), y[k].clone(), z[k].clone()], point) + &self.offset[k])
+    }
+
+    /// By how much E takes apart what is within these lengths, at most.
+    pub(crate) fn of_half_sides(&self, half: &Point) -> Point {
+        let [x, y, z] = &self.linear;
+        std::array::from_fn(|k| dot(&[x[k].abs(), y[k].abs(), z[k].abs()], half))
     }
 }
 

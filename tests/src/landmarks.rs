@@ -1,3 +1,4 @@
+use crate::posed_planes::PosedPlanes;
 use restpose_formats::{
     ModelView, TreeKind,
     rows::{ClusterRow, KdNode, NONE, ReferenceBoxRow, WideChild, WideNodeRow, box_steps},
@@ -22,17 +23,23 @@ pub struct LocalPlanes {
     pub bounds: Aabb,
     /// Axis and position of every plane between nodes of the fuzzy tree: its split planes, or the sides of their boxes.
     pub splits: Vec<(usize, f32)>,
-    /// Boxes of single triangles, on the lattice.
-    pub boxes: Vec<ReferenceBoxRow>,
+    /// Axis and position of the sides of single triangles' boxes.
+    pub sides: Vec<(usize, f32)>,
 }
 
 impl LocalPlanes {
-    fn new(model: &ModelView, row: &ClusterRow, world_from_local: Affine) -> Self {
+    fn new(
+        model: &ModelView,
+        row: &ClusterRow,
+        palette: &[Affine],
+        morph_weights: &[f32],
+        world_from_local: Affine,
+    ) -> Self {
         let mut planes = Self {
             world_from_local,
             bounds: row.bounds_local,
             splits: Vec::new(),
-            boxes: Vec::new(),
+            sides: Vec::new(),
         };
         match model.meta.tree {
             TreeKind::Kd => {
@@ -44,18 +51,23 @@ impl LocalPlanes {
                         KdNode::Leaf { .. } => None,
                     }));
                 let rows = row.reference_first as usize..(row.reference_first + row.reference_count) as usize;
-                planes.boxes.extend_from_slice(&model.reference_boxes[rows]);
+                for own in &model.reference_boxes[rows] {
+                    planes.sides.extend(sides(planes.fuzzy_sides(own)));
+                }
             }
             TreeKind::Wide => {
+                let posed = PosedPlanes::new(model, row, palette, morph_weights);
                 let nodes = &model.wide_nodes[row.node_first as usize..][..row.node_count as usize];
-                for (child, own) in nodes.iter().flat_map(wide_boxes) {
-                    if let WideChild::Leaf(_) = child {
-                        planes.boxes.push(own);
-                        continue;
-                    }
-                    for axis in 0..3 {
-                        for side in [own.min[axis], own.max[axis]] {
-                            planes.splits.push((axis, planes.lattice_plane(axis, side)));
+                for node in nodes {
+                    for (place, (child, own)) in wide_boxes(node).enumerate() {
+                        let sides = sides(if node.mover_count == 0 {
+                            planes.fuzzy_sides(&own)
+                        } else {
+                            posed.of_place(node, place)
+                        });
+                        match child {
+                            WideChild::Leaf(_) => planes.sides.extend(sides),
+                            WideChild::Node(_) | WideChild::Empty => planes.splits.extend(sides),
                         }
                     }
                 }
@@ -64,12 +76,19 @@ impl LocalPlanes {
         planes
     }
 
-    /// Position of a lattice plane, rounded to `f32`.
-    #[must_use]
-    pub fn lattice_plane(&self, axis: usize, coordinate: u16) -> f32 {
-        let step = f64::from(box_steps(&self.bounds)[axis]);
-        (f64::from(self.bounds.min[axis]) + f64::from(coordinate) * step) as f32
+    /// Least and greatest corner of a box on the lattice of the fuzzy boxes, rounded to `f32`.
+    fn fuzzy_sides(&self, own: &ReferenceBoxRow) -> [[f32; 3]; 2] {
+        let steps = box_steps(&self.bounds).map(f64::from);
+        [own.min, own.max].map(|corner| {
+            std::array::from_fn(|k| (f64::from(self.bounds.min[k]) + f64::from(corner[k]) * steps[k]) as f32)
+        })
     }
+}
+
+/// Those that can be aimed at: boxes of a pose far out may have others.
+fn sides(corners: [[f32; 3]; 2]) -> impl Iterator<Item = (usize, f32)> {
+    let sides = corners.into_iter().flat_map(|corner| (0..3).zip(corner));
+    sides.filter(|(_, side)| side.is_finite())
 }
 
 /// Where decisions of a frame are made: triangles, cluster boxes, planes of fuzzy trees.
@@ -84,8 +103,15 @@ pub struct Landmarks {
 }
 
 impl Landmarks {
-    /// Adds what an instance has. `palette` is its palette, `transform` its transform.
-    pub fn add(&mut self, frame: &Frame, instance: InstanceId, asset: &Asset, palette: &[Affine], transform: Affine) {
+    /// Adds what an instance has. `transform` is its transform.
+    pub fn add(
+        &mut self,
+        frame: &Frame,
+        instance: InstanceId,
+        asset: &Asset,
+        (palette, morph_weights): (&[Affine], &[f32]),
+        transform: Affine,
+    ) {
         let model = asset.model();
         let posed = (0..model.triangles.len() as u32).filter_map(|triangle| frame.triangle(instance, triangle));
         self.triangles
@@ -99,7 +125,8 @@ impl Landmarks {
                 continue;
             }
             let world_from_local = transform * palette[row.bone as usize];
-            self.local.push(LocalPlanes::new(model, row, world_from_local));
+            let planes = LocalPlanes::new(model, row, palette, morph_weights, world_from_local);
+            self.local.push(planes);
         }
     }
 }

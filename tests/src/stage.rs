@@ -1,4 +1,4 @@
-use crate::{AimedRays, Landmarks, kd_twin};
+use crate::{AimedRays, Landmarks, following_twin, kd_twin};
 use restpose_bake::verify::{Oracle, Rays};
 use restpose_runtime::{Affine, Asset, Frame, Hit, InstanceId, Posing, Ray, Scene};
 use std::sync::Arc;
@@ -9,9 +9,52 @@ pub struct Stage {
     /// The scene. Instances are added by [`Stage::add`].
     pub scene: Scene,
     actors: Vec<(InstanceId, Arc<Asset>, Affine)>,
-    /// The same instances with kd-trees: every comparison is made with both.
-    twins: Scene,
-    kd_twins: Vec<(Arc<Asset>, Arc<Asset>)>,
+    twins: Vec<Twins>,
+}
+
+/// The same instances with other trees, with which every comparison is made, too.
+struct Twins {
+    name: &'static str,
+    make: fn(&Asset) -> Arc<Asset>,
+    scene: Scene,
+    /// Assets with their twins.
+    known: Vec<(Arc<Asset>, Arc<Asset>)>,
+}
+
+impl Twins {
+    fn all() -> Vec<Self> {
+        let twins = |name, make| Self {
+            name,
+            make,
+            scene: Scene::new(),
+            known: Vec::new(),
+        };
+        vec![
+            twins("kd-trees", kd_twin as fn(&Asset) -> Arc<Asset>),
+            twins("nodes that follow", following_twin),
+        ]
+    }
+
+    /// Brings them into the state of `scene`.
+    fn commit(&mut self, scene: &Scene, actors: &[(InstanceId, Arc<Asset>, Affine)]) -> Frame<'_> {
+        let exists = |(instance, ..): &&(InstanceId, Arc<Asset>, Affine)| self.scene.state(*instance).is_ok();
+        let present = actors.iter().filter(exists).count();
+        for (instance, asset, _) in actors.iter().skip(present) {
+            let known = self.known.iter().find(|(own, _)| Arc::ptr_eq(own, asset));
+            let twin = known.map_or_else(|| (self.make)(asset), |(_, twin)| Arc::clone(twin));
+            if known.is_none() {
+                self.known.push((Arc::clone(asset), Arc::clone(&twin)));
+            }
+            let added = self.scene.add(&twin);
+            assert_eq!(added, *instance, "the same order");
+            self.scene.set_posing(added, Posing::Recomputed).unwrap();
+        }
+        for (instance, ..) in actors {
+            let state = scene.state(*instance).unwrap();
+            self.scene.set_state(*instance, &state).unwrap();
+        }
+        self.scene.commit()
+    }
 }
 
 impl Stage {
@@ -42,21 +85,21 @@ impl Stage {
 
     /// The frame as it stands, its brute force and its landmarks.
     pub fn commit(&mut self) -> (Frame<'_>, Oracle, Landmarks) {
-        let palettes: Vec<Vec<Affine>> = self
+        let poses: Vec<(Vec<Affine>, Vec<f32>)> = self
             .actors
             .iter()
             .map(|(instance, ..)| {
                 self.scene
                     .pose(*instance)
-                    .map_or_else(|_| Vec::new(), |pose| pose.palette)
+                    .map_or_else(|_| Default::default(), |pose| (pose.palette, pose.morph_weights))
             })
             .collect();
         let frame = self.scene.commit();
         let instances: Vec<InstanceId> = self.actors.iter().map(|(instance, ..)| *instance).collect();
         let oracle = Oracle::new(&frame, &instances);
         let mut marks = Landmarks::default();
-        for ((instance, asset, transform), palette) in self.actors.iter().zip(&palettes) {
-            marks.add(&frame, *instance, asset, palette, *transform);
+        for ((instance, asset, transform), (palette, morph_weights)) in self.actors.iter().zip(&poses) {
+            marks.add(&frame, *instance, asset, (palette, morph_weights), *transform);
         }
         (frame, oracle, marks)
     }
@@ -66,43 +109,28 @@ impl Stage {
     /// # Panics
     /// Where they differ by a bit.
     pub fn assert_equals_brute_force(&mut self, name: &str, rays: usize, seed: u64) -> usize {
-        self.commit_twins();
         let mut twins = std::mem::take(&mut self.twins);
-        let twin_frame = twins.commit();
+        if twins.is_empty() {
+            twins = Twins::all();
+        }
+        let twin_frames: Vec<(&str, Frame)> = twins
+            .iter_mut()
+            .map(|twins| (twins.name, twins.commit(&self.scene, &self.actors)))
+            .collect();
         let (frame, oracle, marks) = self.commit();
         let ordinary = Rays::new(&oracle, seed).take(rays);
         let aimed = (!marks.triangles.is_empty()).then(|| AimedRays::new(&marks, seed).take(rays));
         let rays: Vec<Ray> = ordinary.chain(aimed.into_iter().flatten()).collect();
         let hits = assert_rays_equal(name, &frame, &oracle, rays.iter().copied());
         for ray in &rays {
-            let (wide, kd) = (frame.closest_hit(ray), twin_frame.closest_hit(ray));
-            assert_eq!(hit_bits(kd), hit_bits(wide), "{name}, kd-trees: {ray:?}");
+            let expected = hit_bits(frame.closest_hit(ray));
+            for (twin, frame) in &twin_frames {
+                assert_eq!(hit_bits(frame.closest_hit(ray)), expected, "{name}, {twin}: {ray:?}");
+            }
         }
+        drop(twin_frames);
         self.twins = twins;
         hits
-    }
-
-    /// Brings the scene with kd-trees into the state of the other.
-    fn commit_twins(&mut self) {
-        for (instance, asset, _) in self.actors.iter().skip(self.twin_count()) {
-            let known = self.kd_twins.iter().find(|(own, _)| Arc::ptr_eq(own, asset));
-            let twin = known.map_or_else(|| kd_twin(asset), |(_, twin)| Arc::clone(twin));
-            if known.is_none() {
-                self.kd_twins.push((Arc::clone(asset), Arc::clone(&twin)));
-            }
-            let added = self.twins.add(&twin);
-            assert_eq!(added, *instance, "the same order");
-            self.twins.set_posing(added, Posing::Recomputed).unwrap();
-        }
-        for (instance, ..) in &self.actors {
-            let state = self.scene.state(*instance).unwrap();
-            self.twins.set_state(*instance, &state).unwrap();
-        }
-    }
-
-    fn twin_count(&self) -> usize {
-        let exists = |(instance, ..): &&(InstanceId, Arc<Asset>, Affine)| self.twins.state(*instance).is_ok();
-        self.actors.iter().filter(exists).count()
     }
 }
 

@@ -1,15 +1,17 @@
-//! Fuzzy trees of either kind, widened, in exact arithmetic: where a point is found in them.
+//! Fuzzy trees of either kind, in exact arithmetic: where a point is found in them. Planes and boxes that hold in a pose
+//! space are widened; those that follow the pose are not.
 //!
 //! Written from `FORMAT.md`, sections 6.4 to 6.8.
 
 use crate::{
     Dyadic,
     escapes::{Point, exact},
+    followed_nodes::{Followed, PosedBox},
     wide_boxes,
 };
 use restpose_formats::{
     ModelView, TreeKind,
-    rows::{ClusterRow, KdNode, ReferenceBoxRow, WideChild, box_steps},
+    rows::{ClusterRow, KdNode, ReferenceBoxRow, WideChild, WideNodeRow, box_steps},
 };
 use std::collections::BTreeMap;
 
@@ -28,6 +30,15 @@ impl Widened<'_> {
     }
 }
 
+/// The box of a triangle or a node.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Bounds {
+    /// On the lattice of the fuzzy boxes, to be widened.
+    Fuzzy(ReferenceBoxRow),
+    /// That of a node with movers in this pose.
+    Posed(PosedBox),
+}
+
 enum Node {
     /// The left child and the right one begin at the first and end at the second.
     Inner {
@@ -40,20 +51,19 @@ enum Node {
         count: usize,
     },
     /// What stands in the places of a wide node, with its boxes.
-    Wide(Vec<(WideChild, ReferenceBoxRow)>),
+    Wide(Vec<(WideChild, Bounds)>),
 }
 
 impl Node {
-    fn boxes(&self) -> impl Iterator<Item = (WideChild, ReferenceBoxRow)> {
-        let places = match self {
-            Self::Wide(places) => places.as_slice(),
+    fn boxes(&self) -> &[(WideChild, Bounds)] {
+        match self {
+            Self::Wide(places) => places,
             Self::Inner { .. } | Self::Leaf { .. } => &[],
-        };
-        places.iter().copied()
+        }
     }
 }
 
-fn nodes(model: &ModelView, cluster: &ClusterRow, widened: &Widened) -> Vec<Node> {
+fn nodes(model: &ModelView, cluster: &ClusterRow, widened: &Widened, followed: &Followed) -> Vec<Node> {
     let rows = cluster.node_first as usize..(cluster.node_first + cluster.node_count) as usize;
     let kd = |row: KdNode| match row {
         KdNode::Inner { axis, split, left } => Node::Inner {
@@ -66,12 +76,20 @@ fn nodes(model: &ModelView, cluster: &ClusterRow, widened: &Widened) -> Vec<Node
             count: count as usize,
         },
     };
+    let wide = |row: &WideNodeRow| {
+        let places = wide_boxes(row).enumerate().map(|(place, (child, own))| {
+            let bounds = if row.mover_count == 0 {
+                Bounds::Fuzzy(own)
+            } else {
+                Bounds::Posed(followed.posed_box(row, place, &own))
+            };
+            (child, bounds)
+        });
+        Node::Wide(places.collect())
+    };
     match model.meta.tree {
         TreeKind::Kd => model.kd_nodes[rows].iter().map(|row| kd(row.unpack())).collect(),
-        TreeKind::Wide => {
-            let rows = model.wide_nodes[rows].iter();
-            rows.map(|row| Node::Wide(wide_boxes(row).collect())).collect()
-        }
+        TreeKind::Wide => model.wide_nodes[rows].iter().map(wide).collect(),
     }
 }
 
@@ -80,7 +98,7 @@ pub(crate) struct Tree<'a> {
     /// The triangles of leaves.
     references: &'a [u32],
     /// Their boxes.
-    boxes: Vec<ReferenceBoxRow>,
+    boxes: Vec<Bounds>,
     /// Per axis the planes of the lattice that boxes use, by coordinate: widened downwards and upwards.
     lattice: [BTreeMap<u16, [Dyadic; 2]>; 3],
     /// Per axis.
@@ -89,18 +107,21 @@ pub(crate) struct Tree<'a> {
 }
 
 impl<'a> Tree<'a> {
-    pub(crate) fn new(model: &ModelView<'a>, cluster: &ClusterRow, widened: &Widened) -> Self {
+    pub(crate) fn new(model: &ModelView<'a>, cluster: &ClusterRow, widened: &Widened, followed: &Followed) -> Self {
         let bounds = &cluster.bounds_local;
         let references = cluster.reference_first as usize..(cluster.reference_first + cluster.reference_count) as usize;
         let references = &model.references[references];
-        let nodes = nodes(model, cluster, widened);
-        let boxes = match model.meta.tree {
-            TreeKind::Kd => model.reference_boxes[cluster.reference_first as usize..][..references.len()].to_vec(),
+        let nodes = nodes(model, cluster, widened, followed);
+        let boxes: Vec<Bounds> = match model.meta.tree {
+            TreeKind::Kd => {
+                let rows = &model.reference_boxes[cluster.reference_first as usize..][..references.len()];
+                rows.iter().copied().map(Bounds::Fuzzy).collect()
+            }
             // In the order of the references, which are those of the leaves (6.5).
             TreeKind::Wide => nodes
                 .iter()
                 .flat_map(Node::boxes)
-                .filter_map(|(child, bounds)| matches!(child, WideChild::Leaf(_)).then_some(bounds))
+                .filter_map(|(child, bounds)| matches!(child, WideChild::Leaf(_)).then(|| bounds.clone()))
                 .collect(),
         };
         assert_eq!(boxes.len(), references.len(), "a box per reference");
@@ -108,9 +129,10 @@ impl<'a> Tree<'a> {
         let (min, step) = (exact(bounds.min), exact(box_steps(bounds)));
         let lattice = std::array::from_fn(|k| {
             let inner = nodes.iter().flat_map(Node::boxes).map(|(_, bounds)| bounds);
-            let used = inner
-                .chain(boxes.iter().copied())
-                .flat_map(|row| [row.min[k], row.max[k]]);
+            let used = inner.chain(&boxes).flat_map(|bounds| match bounds {
+                Bounds::Fuzzy(row) => vec![row.min[k], row.max[k]],
+                Bounds::Posed(_) => Vec::new(),
+            });
             let plane = |q: u16| widened.plane(k, &(&min[k] + &(&step[k] * &Dyadic::from(f64::from(q)))));
             used.map(|q| (q, plane(q))).collect()
         });
@@ -128,22 +150,25 @@ impl<'a> Tree<'a> {
     }
 
     /// Triangles, ascending, each with the different boxes that leaves have of it.
-    pub(crate) fn boxes_by_triangle(&self) -> BTreeMap<u32, Vec<ReferenceBoxRow>> {
-        let mut out: BTreeMap<u32, Vec<ReferenceBoxRow>> = BTreeMap::new();
+    pub(crate) fn boxes_by_triangle(&self) -> BTreeMap<u32, Vec<&Bounds>> {
+        let mut out: BTreeMap<u32, Vec<&Bounds>> = BTreeMap::new();
         for (triangle, bounds) in self.references.iter().zip(&self.boxes) {
             let boxes = out.entry(*triangle).or_default();
-            if !boxes.contains(bounds) {
-                boxes.push(*bounds);
+            if !boxes.contains(&bounds) {
+                boxes.push(bounds);
             }
         }
         out
     }
 
-    pub(crate) fn holds(&self, bounds: &ReferenceBoxRow, point: &Point) -> bool {
-        (0..3).all(|k| {
-            let plane = |q: u16| &self.lattice[k][&q];
-            plane(bounds.min[k])[0] <= point[k] && point[k] <= plane(bounds.max[k])[1]
-        })
+    pub(crate) fn holds(&self, bounds: &Bounds, point: &Point) -> bool {
+        match bounds {
+            Bounds::Fuzzy(row) => (0..3).all(|k| {
+                let plane = |q: u16| &self.lattice[k][&q];
+                plane(row.min[k])[0] <= point[k] && point[k] <= plane(row.max[k])[1]
+            }),
+            Bounds::Posed(posed) => posed.holds(point),
+        }
     }
 
     pub(crate) fn bounds_hold(&self, point: &Point) -> bool {

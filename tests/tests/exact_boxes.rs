@@ -1,5 +1,5 @@
-//! The first proof obligation: in every pose every vertex is in its box, widened by the pose's excess alone. Exact
-//! arithmetic, zero tolerance.
+//! The first proof obligation: in every pose every vertex is in its box, widened by the pose's excess alone, and not at all
+//! where the box follows the pose. Exact arithmetic, zero tolerance.
 
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
@@ -13,7 +13,8 @@ use restpose_runtime::{Affine, Asset, Scene};
 use restpose_tests::{
     Recipe, baked_with,
     escapes::{Escape, escapes},
-    random_animation, sample_scenes,
+    followed_nodes::contradictions,
+    following_twin, random_animation, sample_scenes,
 };
 use std::sync::Arc;
 
@@ -34,11 +35,24 @@ fn baked(animation: &Animation, pose_space: PoseSpace, envelopes: usize) -> Arc<
 struct Compared {
     clusters: usize,
     outside: usize,
+    /// Nodes of which boxes follow the pose.
+    following: usize,
+}
+
+impl Compared {
+    fn add(&mut self, other: Self) {
+        self.clusters += other.clusters;
+        self.outside += other.outside;
+        self.following += other.following;
+    }
 }
 
 /// Panics at the first pose with an escape.
 fn compare(name: &str, animation: &Animation, asset: &Arc<Asset>, source: PoseSource, count: u64) -> Compared {
     let model = asset.model();
+    let following = model.wide_nodes.iter().filter(|node| node.mover_count != 0).count();
+    let found = contradictions(model);
+    assert_eq!(found.first(), None, "{name}: {} contradictions", found.len());
     let mut poses = Poses::new(animation, model, source, 4, count);
     let drawn: Vec<_> = (0..count).map(|index| poses.pose(index)).collect();
     let of_pose = |pose: &DrawnPose| {
@@ -78,13 +92,16 @@ fn compare(name: &str, animation: &Animation, asset: &Arc<Asset>, source: PoseSo
         Compared {
             clusters: excess.len(),
             outside: frame.stats().clusters_outside as usize,
+            following: 0,
         }
     };
     let found: Vec<Compared> = drawn.par_iter().map(of_pose).collect();
-    found.iter().fold(Compared::default(), |sum, found| Compared {
-        clusters: sum.clusters + found.clusters,
-        outside: sum.outside + found.outside,
-    })
+    let mut total = Compared {
+        following,
+        ..Compared::default()
+    };
+    found.into_iter().for_each(|found| total.add(found));
+    total
 }
 
 /// What rounding may add to the boxes in a pose of the pose space.
@@ -127,12 +144,13 @@ fn vertices_of_samples_stay_in_their_boxes() {
             let asset = baked(&animation, PoseSpace::Clips, envelopes);
             let name = format!("{} in {envelopes} envelopes", path.display());
             compare(&name, &animation, &asset, PoseSource::Clips, 6);
-            let found = compare(&name, &animation, &asset, PoseSource::Random, 11);
-            total.clusters += found.clusters;
-            total.outside += found.outside;
+            total.add(compare(&name, &animation, &asset, PoseSource::Random, 11));
         }
     }
-    assert!(total.outside > 100 && total.outside < total.clusters, "{total:?}");
+    assert!(
+        total.outside > 100 && total.outside < total.clusters && total.following > 0,
+        "{total:?}"
+    );
 }
 
 fn recipe(seed: u64) -> Recipe {
@@ -155,20 +173,26 @@ fn recipe(seed: u64) -> Recipe {
 /// Soups of every kind, in poses of the pose space.
 #[test]
 fn vertices_of_random_animations_stay_in_their_boxes_in_clips() {
-    let mut clusters = 0;
+    let mut total = Compared::default();
     for seed in 0..80 {
         let recipe = recipe(seed);
         let animation = random_animation(&recipe);
         let asset = baked(&animation, PoseSpace::Clips, [1, 2, 16][seed as usize % 3]);
-        clusters += compare(&format!("{recipe:?}"), &animation, &asset, PoseSource::Clips, 30).clusters;
+        total.add(compare(
+            &format!("{recipe:?}"),
+            &animation,
+            &asset,
+            PoseSource::Clips,
+            30,
+        ));
     }
-    assert!(clusters > 3_000, "{clusters}");
+    assert!(total.clusters > 3_000 && total.following > 0, "{total:?}");
 }
 
-/// The same in poses of all families, far outside.
+/// The same in poses of all families, far outside; then with all nodes following the pose that can.
 #[test]
 fn vertices_of_random_animations_stay_in_widened_boxes_anywhere() {
-    let mut total = Compared::default();
+    let [mut total, mut following] = [Compared::default(); 2];
     for seed in 100..180 {
         let recipe = recipe(seed);
         let animation = random_animation(&recipe);
@@ -180,9 +204,17 @@ fn vertices_of_random_animations_stay_in_widened_boxes_anywhere() {
         ][seed as usize % 4]
             .clone();
         let asset = baked(&animation, pose_space, [1, 2, 16][seed as usize % 3]);
-        let found = compare(&format!("{recipe:?}"), &animation, &asset, PoseSource::Random, 44);
-        total.clusters += found.clusters;
-        total.outside += found.outside;
+        total.add(compare(
+            &format!("{recipe:?}"),
+            &animation,
+            &asset,
+            PoseSource::Random,
+            44,
+        ));
     }
-    assert!(total.outside > 3_000 && total.outside < total.clusters, "{total:?}");
+    assert!(
+        total.outside > 3_000 && total.outside < total.clusters && total.following > 0,
+        "{total:?}"
+    );
+    assert!(following.following > 2 * total.following, "{following:?}");
 }

@@ -74,7 +74,7 @@ fn meet_planes<S: Lanes>(simd: S, planes: [[S::F8; 2]; 3], ray: &LatticeRay, sta
 /// 2005: bounding volumes of skinned vertices follow the bones by their weights. Differs: boxes for spheres; weights vary
 /// within a box; eight at a time, when a ray asks.
 #[inline(always)]
-fn posed_planes<S: Lanes>(simd: S, node: &WideNodeRow, ray: &FuzzyRay<'_>) -> [[S::F8; 2]; 3] {
+pub(super) fn posed_planes<S: Lanes>(simd: S, node: &WideNodeRow, ray: &FuzzyRay<'_>) -> [[S::F8; 2]; 3] {
     let part = simd.splat8(0.5);
     let mut planes = stored_planes(simd, node);
     let (mut center, mut half) = ([part; 3], [part; 3]);

@@ -15,6 +15,8 @@ mod boxes;
 mod bundle;
 mod collapse;
 mod fuzzy_ray;
+#[cfg(test)]
+mod fuzzy_ray_tests;
 mod node;
 mod packet;
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //!
 //! All numbers are dyadic and every bound is attained, so an intact file has no slack that would hide a fault.
 
+mod following;
 mod tight_file;
 
 use restpose_bake::verify::Oracle;

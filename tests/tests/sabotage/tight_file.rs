@@ -8,8 +8,8 @@ use restpose_formats::{
     Bounds, Model, TreeKind,
     geom::Aabb,
     rows::{
-        BoneEnvelopeRow, Interpolation, KdNode, KdNodeRow, LeverRow, MorphEnvelopeRow, ReferenceBoxRow, WideChild,
-        WideNodeRow,
+        BoneEnvelopeRow, Interpolation, KdNode, KdNodeRow, LeverRow, MOVER_WEIGHTS, MorphEnvelopeRow, NodeMoverRow,
+        ReferenceBoxRow, WideChild, WideNodeRow,
     },
 };
 use restpose_runtime::{Affine, Asset, Posing, Scene};
@@ -132,10 +132,65 @@ pub fn tight(range: Range, tree: TreeKind) -> Model {
             place(&mut nodes[0], 1, WideChild::Node(1), &boxes[1]);
             place(&mut nodes[1], 0, WideChild::Leaf(1), &boxes[1]);
             model.wide_nodes = nodes.to_vec();
+            model.node_movers.clear();
         }
     }
     model
 }
+
+/// The file of [`tight`] with nodes whose boxes follow the pose, every promise as small as it may be.
+///
+/// The second triangle's corner at x = 5 follows the second bone by three quarters, its others by a quarter, so that where
+/// that bone shifts it upwards, it reaches both faces of its box. The cluster's bones claim more of x than their vertices
+/// have: this makes the lattice's step 2⁻¹³, and all rest positions are on it.
+pub fn following() -> Model {
+    let mut model = tight(Range::Reach, TreeKind::Wide);
+    let own = model.clusters[0].bone;
+    for vertex in 0..model.vertices.len() - 1 {
+        let x = model.vertices[vertex].position_rest[0];
+        let share = match x {
+            5.0 => 0.75,
+            4.0 => 0.25,
+            _ => 0.5,
+        };
+        let [begin, end] = [vertex, vertex + 1].map(|row| model.vertices[row].influence_first as usize);
+        for influence in &mut model.influences[begin..end] {
+            influence.weight = if influence.bone == own { 1.0 - share } else { share };
+        }
+    }
+    for lever in model.levers.iter_mut().filter(|lever| lever.weight > 0.0) {
+        (lever.lever[0], lever.weight) = (3.75, 0.75);
+    }
+    for row in &mut model.cluster_bones {
+        row.bounds = Aabb {
+            min: [1.0, 0.0, 0.0],
+            max: [1.0 + 65533.0 / STEPS, 1.0, 0.0],
+        };
+    }
+    model.clusters[0].bounds_local.max[0] = 6.75;
+    let [root, inner] = &mut model.wide_nodes[..] else {
+        panic!("two nodes");
+    };
+    let rest = |x: f32| ReferenceBoxRow {
+        min: [(x - 1.0) * STEPS, 0.0, 0.0].map(|steps| steps as u16),
+        max: [x * STEPS, STEPS, 0.0].map(|steps| steps as u16),
+    };
+    place(root, 0, WideChild::Leaf(0), &rest(1.0));
+    place(root, 1, WideChild::Node(1), &rest(4.0));
+    place(inner, 0, WideChild::Leaf(1), &rest(4.0));
+    (root.mover_first, root.mover_count) = (0, 1);
+    (inner.mover_first, inner.mover_count) = (1, 1);
+    let mut rows = [NodeMoverRow::default(); 2];
+    let half = (0.5 * MOVER_WEIGHTS) as u16;
+    (rows[0].weight[0], rows[0].spread[0]) = (half, 0);
+    (rows[0].weight[1], rows[0].spread[1]) = (half, half / 2);
+    (rows[1].weight[0], rows[1].spread[0]) = (half, half / 2);
+    model.node_movers = rows.to_vec();
+    model
+}
+
+/// Steps of the lattice of [`following`] in a length of one.
+const STEPS: f32 = 8192.0;
 
 fn place(node: &mut WideNodeRow, place: usize, child: WideChild, bounds: &ReferenceBoxRow) {
     node.children[place] = child.pack();
