@@ -11,9 +11,9 @@
 //! fused multiplications: the same bits on every platform. Each lane is computed as the others are, so it does not matter
 //! which arcs come together.
 //!
-//! Measured on the fox, 21 arcs, against arcs one by one, whose steps wait for each other: 1.4 instead of 2.0 µs per pose.
-//! No better: eight lanes, which do not fit the registers; a polynomial for `θ/sin θ` in place of the division, of degree
-//! 19 as well; with `libm`, 3.8 µs per pose.
+//! Measured on the fox, 21 arcs and 25 bones, per pose: 1.47 µs by fours, 2.0 µs one by one, where each step waits for the
+//! one before; 1.38 µs with polynomials in pairs instead of four of Horner's. No better: 1.43 µs by eights, which do not fit
+//! the registers; 1.47 instead of 1.42 µs with a polynomial for `θ/sin θ`, of degree 19 as well, instead of a division.
 
 /// Arcs that are computed together.
 pub(super) const LANES: usize = 4;
@@ -60,11 +60,12 @@ const SINE: [f64; 8] = [
 /// Interpolates from `a` to `b` along the shorter arc; `s` is the part of the way, 0 to 1. Components come first, then
 /// lanes: x, y, z, w of four quaternions.
 ///
-/// Keys are finite `f32`, of any length; without one they count as the identity. The arc is the one of positive
+/// Keys are finite `f32` numbers, of any length; without one they count as the identity. The arc is the one of positive
 /// `((a₀b₀ + a₁b₁) + a₂b₂) + a₃b₃`, as rounded: the baker bounds the same one.
 ///
 /// The result is a unit quaternion, off by 2⁻⁴⁷ at most. With u = 2⁻⁵³: `y` is off by 15u, θ² by 70u, and by that each
 /// weight by 14u relative to it; the polynomials, the lengths and the products add 24u; weights sum to at most √2.
+/// Found in 60 000 random arcs, with 220 bits: 8u.
 // In place LLVM tears the lanes apart to fit what surrounds them.
 #[inline(never)]
 pub(super) fn slerp(a: &[Lanes4; 4], b: &[Lanes4; 4], s: &Lanes4) -> [Lanes4; 4] {
