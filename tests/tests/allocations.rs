@@ -77,8 +77,9 @@ fn assert_allocates_nothing(name: &str, asset: &Arc<Asset>, poses: &[DrawnPose])
     let target = scene.commit().bounds().center();
     let target = [target[0] + 1.0, target[1], target[2]];
     let mut outside = 0;
-    // The first lap may grow buffers: a top level of overlapping clusters has more references than a loose one.
-    for lap in 0..2 {
+    // The first lap may grow buffers: a top level of overlapping clusters has more references than a loose one. So may the
+    // second: what its first frames expect, and pose at once, comes from the end of the lap before.
+    for lap in 0..3 {
         let before = ALLOCATIONS.with(Cell::get);
         let mut hits = 0;
         for (step, pose) in poses.iter().enumerate() {
@@ -106,7 +107,7 @@ fn assert_allocates_nothing(name: &str, asset: &Arc<Asset>, poses: &[DrawnPose])
         }
         let allocated = ALLOCATIONS.with(Cell::get) - before;
         assert!(hits > 0, "{name}");
-        assert!(lap == 0 || allocated == 0, "{name}: {allocated} allocations");
+        assert!(lap < 2 || allocated == 0, "{name}: {allocated} allocations");
     }
     outside
 }
