@@ -10,7 +10,7 @@ use crate::{
 use restpose_formats::rows::{ClusterRow, NONE};
 use std::sync::{
     OnceLock,
-    atomic::{AtomicU32, Ordering::Relaxed},
+    atomic::{AtomicBool, AtomicU32, Ordering::Relaxed},
 };
 
 /// Where rounding alone widens a cluster by more than this part of its longest side, as in a palette far from the origin,
@@ -35,8 +35,16 @@ pub(crate) struct ClusterState {
     pub cache: u32,
     /// Contains every posed vertex of the cluster.
     pub bounds_world: Aabb,
+    /// Whether `entered` holds anything of this pose: where no ray came, a new pose leaves its memory alone.
+    is_entered: AtomicBool,
+    entered: Box<Entered>,
+}
+
+/// What the first ray makes of a cluster.
+#[derive(Debug, Default)]
+struct Entered {
     posed: OnceLock<PosedCluster>,
-    pub refitted: RefittedTree,
+    refitted: RefittedTree,
     /// The envelope in which its pose was last found: where to look first.
     nearest_envelope: AtomicU32,
 }
@@ -70,9 +78,8 @@ impl ClusterState {
             row: NONE,
             cache: NONE,
             bounds_world: Aabb::EMPTY,
-            posed: OnceLock::new(),
-            refitted: RefittedTree::default(),
-            nearest_envelope: AtomicU32::new(0),
+            is_entered: AtomicBool::new(false),
+            entered: Box::default(),
         }
     }
 
@@ -81,27 +88,38 @@ impl ClusterState {
         self.row = row;
         self.cache = cache;
         self.bounds_world = bounds_world;
-        self.refitted.forget();
-        self.posed = OnceLock::new();
+        if std::mem::take(self.is_entered.get_mut()) {
+            self.entered.refitted.forget();
+            self.entered.posed = OnceLock::new();
+        }
         if tree != NONE {
             let way = Way::Posed(tree);
-            self.posed = OnceLock::from(PosedCluster::without_excess(ClusterFrame { bounds_world, way }));
+            self.entered.posed = OnceLock::from(PosedCluster::without_excess(ClusterFrame { bounds_world, way }));
+            *self.is_entered.get_mut() = true;
         }
     }
 
     /// Threads that come first at the same time make it each, all the same.
     #[inline]
     pub(super) fn posed(&self, prepared: &Prepared, asset: &Asset, motions: &mut Motions) -> &PosedCluster {
-        if let Some(posed) = self.posed.get() {
+        if let Some(posed) = self.entered.posed.get() {
             return posed;
         }
+        // Who begins the next pose has the cluster alone, and sees it.
+        self.is_entered.store(true, Relaxed);
         let posed = self.pose(prepared, asset, motions);
-        self.posed.get_or_init(|| posed)
+        self.entered.posed.get_or_init(|| posed)
     }
 
     /// What rays have made of it.
     pub(crate) fn posed_so_far(&self) -> Option<&PosedCluster> {
-        self.posed.get()
+        self.entered.posed.get()
+    }
+
+    /// Its tree over posed triangles, if it comes to that. Rays have entered the cluster before.
+    #[inline]
+    pub(crate) fn refitted(&self) -> &RefittedTree {
+        &self.entered.refitted
     }
 
     fn pose(&self, prepared: &Prepared, asset: &Asset, motions: &mut Motions) -> PosedCluster {
@@ -162,7 +180,7 @@ impl ClusterState {
         };
         let hint = match prepared.stretch {
             Some(stretch) => asset.envelope_hints().of(stretch, self.row),
-            None => &self.nearest_envelope,
+            None => &self.entered.nearest_envelope,
         };
         let mut nearest = hint.load(Relaxed).min(space.envelope_count - 1);
         let mut excess = motions.measure(&space, cluster.bone as usize, inverse, pose, &mut nearest);

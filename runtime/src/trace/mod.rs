@@ -215,7 +215,7 @@ fn enter_cluster<const ANY: bool, C: Count>(
     };
     let pose = |triangle| prepared.pose_triangle(model, state.cache, triangle, &mut ());
     let refit_after = if is_whole { 0 } else { posed.refit_after };
-    let refitted = refit_after != u32::MAX && state.refitted.is_worth_it(refit_after);
+    let refitted = refit_after != u32::MAX && state.refitted().is_worth_it(refit_after);
     match (&posed.frame.way, model.meta.tree) {
         (Way::Posed(tree), _) => {
             let tree = &prepared.trees[*tree as usize];
@@ -241,7 +241,7 @@ fn enter_cluster<const ANY: bool, C: Count>(
             wide::walk(simd, nodes, 0, &ray, start, traveller, stack, counters, &mut test)
         }
         (Way::Local(_) | Way::Refitted, TreeKind::Wide) => {
-            let nodes = state.refitted.wide(asset.wide_nodes(state.row), pose);
+            let nodes = state.refitted().wide(asset.wide_nodes(state.row), pose);
             let slab = SlabRay::in_world(origin, direction, &nodes[0].around());
             let ray = WideRay::new(&slab);
             wide::walk(simd, nodes, 0, &ray, start, traveller, stack, counters, &mut test)
@@ -274,7 +274,7 @@ fn enter_cluster<const ANY: bool, C: Count>(
             let rows = row.reference_first as usize..(row.reference_first + row.reference_count) as usize;
             let references = &model.references[rows.clone()];
             let first = &asset.first_references()[rows];
-            let boxes = state.refitted.boxes(nodes, references, first, pose);
+            let boxes = state.refitted().boxes(nodes, references, first, pose);
             let tree = RefittedBoxes { nodes, boxes };
             let slab = SlabRay::in_world(origin, direction, &boxes[0]);
             let mut visit = |leaf: Range<usize>, traveller: &mut Traveller, counters: &mut C| {
