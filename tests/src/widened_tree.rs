@@ -36,7 +36,7 @@ pub(crate) enum Bounds {
     /// On the lattice of the fuzzy boxes, to be widened.
     Fuzzy(ReferenceBoxRow),
     /// That of a node with movers in this pose.
-    Posed(PosedBox),
+    Posed(Box<PosedBox>),
 }
 
 enum Node {
@@ -81,7 +81,7 @@ fn nodes(model: &ModelView, cluster: &ClusterRow, widened: &Widened, followed: &
             let bounds = if row.mover_count == 0 {
                 Bounds::Fuzzy(own)
             } else {
-                Bounds::Posed(followed.posed_box(row, place, &own))
+                Bounds::Posed(Box::new(followed.posed_box(row, place, &own)))
             };
             (child, bounds)
         });
@@ -121,7 +121,8 @@ impl<'a> Tree<'a> {
             TreeKind::Wide => nodes
                 .iter()
                 .flat_map(Node::boxes)
-                .filter_map(|(child, bounds)| matches!(child, WideChild::Leaf(_)).then(|| bounds.clone()))
+                .filter(|(child, _)| matches!(child, WideChild::Leaf(_)))
+                .map(|(_, bounds)| bounds.clone())
                 .collect(),
         };
         assert_eq!(boxes.len(), references.len(), "a box per reference");

@@ -204,17 +204,14 @@ fn vertices_of_random_animations_stay_in_widened_boxes_anywhere() {
         ][seed as usize % 4]
             .clone();
         let asset = baked(&animation, pose_space, [1, 2, 16][seed as usize % 3]);
-        total.add(compare(
-            &format!("{recipe:?}"),
-            &animation,
-            &asset,
-            PoseSource::Random,
-            44,
-        ));
+        let name = format!("{recipe:?}");
+        total.add(compare(&name, &animation, &asset, PoseSource::Random, 44));
+        let twin = following_twin(&asset);
+        following.add(compare(&name, &animation, &twin, PoseSource::Random, 44));
     }
     assert!(
         total.outside > 3_000 && total.outside < total.clusters && total.following > 0,
         "{total:?}"
     );
-    assert!(following.following > 2 * total.following, "{following:?}");
+    assert!(following.following > total.following, "{following:?}");
 }

@@ -11,7 +11,7 @@ use restpose_formats::{
 };
 use restpose_runtime::{Affine, Posing, Ray, Scene};
 use restpose_tests::{
-    Recipe, baked_with,
+    Landmarks, Recipe, baked_with,
     escapes::{Escaped, escapes},
     followed_nodes::{Untruth, contradictions},
     following_twin, random_animation,
@@ -232,4 +232,26 @@ fn a_node_that_follows_the_wrong_way_loses_hits() {
     });
     assert_eq!(lost[0], 0);
     assert!(lost[1] > 50, "{lost:?}");
+}
+
+/// Rays are aimed at the faces of these boxes where the pose has them.
+#[test]
+fn landmarks_are_on_faces_that_vertices_touch() {
+    let model = following();
+    let pose = Stretched { shift: 100.0, ..STILL };
+    let (asset, palette) = (opened(&model), pose.palette(&model));
+    let mut scene = Scene::new();
+    let instance = scene.add(&asset);
+    scene.set_posing(instance, Posing::Recomputed).unwrap();
+    scene.set_palette(instance, &palette, &[pose.morph]).unwrap();
+    let frame = scene.commit();
+    let mut marks = Landmarks::default();
+    marks.add(&frame, instance, &asset, (&palette, &[pose.morph]), Affine::IDENTITY);
+    let along_x = |planes: &[(usize, f32)]| -> Vec<f32> {
+        let planes = planes.iter().filter(|(axis, _)| *axis == 0);
+        planes.map(|(_, plane)| *plane).collect()
+    };
+    // x + 50, and x + 25 or x + 75.
+    assert_eq!(along_x(&marks.local[0].sides), [51.0, 52.0, 29.0, 80.0]);
+    assert_eq!(along_x(&marks.local[0].splits), [29.0, 80.0]);
 }
