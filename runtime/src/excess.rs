@@ -33,14 +33,11 @@
 //! Based on: Günther, *Ray Tracing of Dynamic Scenes*, §3.6, which wishes for boxes found analytically or by affine
 //! arithmetic. Differs from §3.4.2, whose boxes hold for sampled poses only.
 
-use crate::pose_space::{Envelope, MARKS, Mover, PoseSpace};
-use restpose_formats::{
-    geom::Affine,
-    rows::{BoneEnvelopeRow, ClusterMorphRow},
+use crate::{
+    pose_space::{Envelope, MARKS, Mover, PoseSpace},
+    relative_motions::{ROUNDING, RelativeMotion, RelativeMotions},
 };
-
-/// 2⁻⁴⁸: bounds the `f64` roundings of a relative motion, under 32 of 2⁻⁵³, relative to the magnitudes that enter it.
-const ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
+use restpose_formats::rows::{BoneEnvelopeRow, ClusterMorphRow};
 
 /// Relative slack for the sum that is the excess itself: a few hundred roundings of 2⁻⁵³, and two of each lever.
 const SUM_SLACK: f64 = 1.0 / (1u64 << 44) as f64;
@@ -73,34 +70,6 @@ impl Excess {
     };
 }
 
-/// A bone's map in `f64`, with its norms.
-#[derive(Clone, Copy, Debug)]
-struct BoneMap {
-    columns: [[f64; 3]; 4],
-    linear: f64,
-    translation: f64,
-}
-
-impl BoneMap {
-    fn new(map: &Affine) -> Self {
-        let columns = map.columns.map(|column| column.map(f64::from));
-        Self {
-            columns,
-            linear: norm(columns[..3].as_flattened()),
-            translation: norm(&columns[3]),
-        }
-    }
-}
-
-/// A pose as it is measured.
-#[derive(Clone, Copy)]
-pub(crate) struct MeasuredPose<'a> {
-    /// Per bone row, without the instance transform.
-    pub bones: &'a [Affine],
-    /// Per morph target row.
-    pub morph_weights: &'a [f32],
-}
-
 /// A bone that moves against the cluster in this pose.
 #[derive(Clone, Copy, Debug)]
 struct Motion {
@@ -123,6 +92,7 @@ struct Candidate {
 /// The relative motions of a cluster's bones in a pose, and what is known of their rounding. Scratch: keep one and reuse it.
 #[derive(Debug, Default)]
 pub(crate) struct Motions {
+    pub(crate) relative: RelativeMotions,
     motions: Vec<Motion>,
     /// Bounds the rounding of all numbers times their levers, per local axis.
     rounding: f64,
@@ -133,22 +103,14 @@ pub(crate) struct Motions {
 }
 
 impl Motions {
-    /// Measures a pose against the pose space of a cluster of bone row `own`.
+    /// Measures a pose, whose [`Self::relative`] motions are up to date, against a cluster's pose space.
     ///
-    /// `inverse` is what [`invert_frame`](crate::invert_frame) made of the palette's map of that bone. `nearest` is an
-    /// envelope to try first and becomes the one that is nearest; what it was changes nothing of the result.
+    /// `nearest` is an envelope to try first and becomes the one that is nearest; what it was changes nothing of the result.
     ///
     /// Complexity: twelve comparisons per bone where the first envelope holds the pose, else a distance per envelope.
-    pub(crate) fn measure(
-        &mut self,
-        space: &PoseSpace,
-        own: usize,
-        inverse: &[[f64; 3]; 3],
-        pose: MeasuredPose,
-        nearest: &mut u32,
-    ) -> Excess {
-        self.update(space, own, inverse, pose);
-        let mut found = self.nearest_envelope(space, pose.morph_weights, nearest);
+    pub(crate) fn measure(&mut self, space: &PoseSpace, morph_weights: &[f32], nearest: &mut u32) -> Excess {
+        self.update(space, morph_weights);
+        let mut found = self.nearest_envelope(space, morph_weights, nearest);
         if self.is_outside(&found) && space.morphs.is_empty() && space.envelope_count > 1 {
             found = self.mixed_with_another(space, *nearest, found);
         }
@@ -163,23 +125,17 @@ impl Motions {
         !excess.iter().all(|x| *x <= self.rounding)
     }
 
-    fn update(&mut self, space: &PoseSpace, own: usize, inverse: &[[f64; 3]; 3], pose: MeasuredPose) {
-        let own = BoneMap::new(&pose.bones[own]);
+    fn update(&mut self, space: &PoseSpace, morph_weights: &[f32]) {
         self.morphed = displacement(space.morphs, |_, target| {
-            f64::from(pose.morph_weights[target as usize].abs())
+            f64::from(morph_weights[target as usize].abs())
         });
         let morphed = self.morphed[0] + self.morphed[1] + self.morphed[2];
-        let inverse_norm = norm(inverse.as_flattened());
-        let slack = 2.0 * inverse_error(inverse, &own.columns) + ROUNDING;
         self.motions.clear();
         self.rounding = 0.0;
-        for mover in space.movers {
-            let bone = BoneMap::new(&pose.bones[mover.bone]);
-            let linear = inverse_norm * bone.linear + 1.0;
-            let offset = inverse_norm * (bone.translation + own.translation);
-            self.rounding += slack * (linear * (mover.spread + mover.weight * morphed) + mover.weight * offset);
-            let motion = Motion::new(inverse, &own.columns, &bone.columns, mover, slack * linear);
-            self.motions.push(motion);
+        for (mover, relative) in space.movers.iter().zip(&self.relative.0) {
+            self.rounding +=
+                relative.entry_error * (mover.spread + mover.weight * morphed) + relative.offset_error * mover.weight;
+            self.motions.push(Motion::new(relative, mover));
         }
     }
 
@@ -392,41 +348,20 @@ fn displacement(morphs: &[ClusterMorphRow], weight: impl Fn(usize, u32) -> f64) 
 
 impl Motion {
     #[inline]
-    fn new(inverse: &[[f64; 3]; 3], own: &[[f64; 3]; 4], x: &[[f64; 3]; 4], mover: &Mover, error: f64) -> Self {
-        let turned = |v: [f64; 3]| -> [f64; 3] {
-            std::array::from_fn(|k| inverse[k][0] * v[0] + inverse[k][1] * v[1] + inverse[k][2] * v[2])
-        };
+    fn new(relative: &RelativeMotion, mover: &Mover) -> Self {
         let mut numbers = [0.0; 12];
-        let mut offset = turned(std::array::from_fn(|k| x[3][k] - own[3][k]));
+        let mut offset = relative.offset;
         for j in 0..3 {
-            let column = turned(x[j]);
             for k in 0..3 {
-                let entry = column[k] - if j == k { 1.0 } else { 0.0 };
+                let entry = relative.columns[j][k];
                 numbers[3 * j + k] = entry;
                 offset[k] += entry * mover.pivot[j];
             }
         }
         numbers[9..].copy_from_slice(&offset);
-        Self { numbers, error }
+        Self {
+            numbers,
+            error: relative.entry_error,
+        }
     }
-}
-
-fn norm(numbers: &[f64]) -> f64 {
-    numbers.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// `‖L·X − I‖∞` for a computed inverse L, its own rounding included: `X⁻¹ − L = −(L·X − I)·X⁻¹`, so it bounds the
-/// relative error of everything that L maps.
-pub(crate) fn inverse_error(inverse: &[[f64; 3]; 3], own: &[[f64; 3]; 4]) -> f64 {
-    inverse.iter().enumerate().fold(0.0, |worst, (k, row)| {
-        let sum: f64 = (0..3)
-            .map(|j| {
-                let products: [f64; 3] = std::array::from_fn(|i| row[i] * own[j][i]);
-                let identity = if j == k { 1.0 } else { 0.0 };
-                let rounding = ROUNDING * (products.iter().map(|p| p.abs()).sum::<f64>() + identity);
-                (products.iter().sum::<f64>() - identity).abs() + rounding
-            })
-            .sum();
-        f64::max(worst, sum)
-    })
 }

@@ -22,7 +22,8 @@
 //!
 //! What its rays touch. A commit bounds the instances that changed, by their clips' boxes in the file or by their palettes,
 //! and builds a tree over them. The first ray that enters an instance poses its bones and bounds its clusters, the first that
-//! enters a cluster inverts its matrix and measures its pose, and one that reaches a triangle poses its vertices. Where many
+//! enters a cluster inverts its matrix and measures its pose; in its tree boxes follow the pose as rays come by, and a ray that
+//! reaches a triangle poses its vertices. Where many
 //! rays come, all vertices are posed and the tree is refitted, once ([`Posing`]). Threads do so side by side without waiting;
 //! hits do not depend on any of it. [`FrameStats`] says what was touched.
 //!
@@ -32,7 +33,7 @@
 //! # Files and poses
 //!
 //! [`Asset::open`] reads a file into memory; [`Asset::map`] maps it, which is `unsafe` because the file must not change
-//! meanwhile. Poses come from a clip ([`Scene::play`]) or from the caller ([`Scene::set_palette`]). Parts whose motion has
+//! meanwhile; [`Asset::map_written`] leaves out the checks that the writer has made. Poses come from a clip ([`Scene::play`]) or from the caller ([`Scene::set_palette`]). Parts whose motion has
 //! no coherence get a hierarchy over their posed triangles in every frame, and so do triangles that the caller supplies
 //! ([`Scene::set_geometry`]).
 //!
@@ -72,6 +73,7 @@ mod posing;
 mod prepared;
 mod ray;
 mod refitted_tree;
+mod relative_motions;
 mod rest_boxes;
 mod scene;
 pub mod simd;

@@ -1,12 +1,9 @@
 //! How bones move against a cluster in a pose, for boxes that follow it.
 
-use crate::excess::inverse_error;
+use crate::relative_motions::RelativeMotions;
 use restpose_formats::{
-    geom::{
-        Affine,
-        round::{UNIT_ROUNDOFF, f32_above},
-    },
-    rows::{ClusterBoneRow, MAX_MOVERS, RestLattice},
+    geom::round::{UNIT_ROUNDOFF, f32_above},
+    rows::{MAX_MOVERS, RestLattice},
 };
 
 /// The motion of one bone against the cluster: `E·q + d` in steps of the cluster's [`RestLattice`], for q on it.
@@ -46,9 +43,6 @@ pub(crate) const MOST_STEPS: f32 = (1u32 << 24) as f32;
 /// roundings, and six are in each motion; twice that is taken.
 const PLANE_ERROR: f64 = 64.0 * UNIT_ROUNDOFF;
 
-/// 2⁻⁴⁸: as in `excess`, bounds the `f64` roundings of a relative motion relative to the magnitudes that enter it.
-const ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
-
 impl MoverMaps {
     /// Of clusters without nodes that follow.
     pub(crate) const NONE: Self = Self {
@@ -57,57 +51,39 @@ impl MoverMaps {
         error: [f64::INFINITY; 3],
     };
 
-    /// The motions in a pose. `inverse` is what [`invert_frame`](crate::invert_frame) made of the own bone's map;
-    /// `palette` has no instance transform in it.
+    /// Of the relative motions in a pose.
     ///
     /// # Why the error bounds what is left out
     ///
-    /// With the computed inverse L = X⁻¹ + δ, `|E·x + d|` in exact arithmetic differs from the computed one by at most
-    /// `slack·(linear·|x|₁ + offset)` as in `excess`, x being a rest position, which the sum of the origin's magnitudes and
-    /// three widths bounds. Weights of movers sum to one at most, up to half a unit each of the row's. In `f32` a plane is
-    /// off by some roundings of the magnitudes that enter: the lattice's width, and the motions' greatest ones, once for the
-    /// middle and twice for the half.
-    pub(crate) fn new(
-        lattice: &RestLattice,
-        cluster_bones: &[ClusterBoneRow],
-        own: u32,
-        inverse: &[[f64; 3]; 3],
-        palette: &[Affine],
-        morph_extent: [f64; 3],
-    ) -> Self {
+    /// `E·x + d` is off by at most `|x|₁` times the error of an entry and that of d, x being a rest position, which the sum of
+    /// the origin's magnitudes and three widths bounds. Weights of movers sum to one at most, up to half a unit each of the
+    /// row's. In `f32` a plane is off by some roundings of the magnitudes that enter: the lattice's width, and the motions'
+    /// greatest ones, once for the middle and twice for the half.
+    pub(crate) fn new(lattice: &RestLattice, relative: &RelativeMotions, morph_extent: [f64; 3]) -> Self {
         let mut out = Self::NONE;
         if !lattice.is_usable() {
             return out;
         }
-        let columns = |bone: u32| palette[bone as usize].columns.map(|column| column.map(f64::from));
-        let norm = |numbers: &[f64]| numbers.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let own_columns = columns(own);
-        let inverse_norm = norm(inverse.as_flattened());
-        let slack = 2.0 * inverse_error(inverse, &own_columns) + ROUNDING;
         let step = f64::from(lattice.step);
         let origin = lattice.origin.map(f64::from);
-        let farthest = (0..3)
-            .map(|k| origin[k].abs() + WIDTH * step + morph_extent[k])
-            .sum::<f64>();
-        let turned = |v: [f64; 3], k: usize| inverse[k][0] * v[0] + inverse[k][1] * v[1] + inverse[k][2] * v[2];
-        let own_offset = norm(&own_columns[3]);
+        let mut farthest = 0.0;
+        for k in 0..3 {
+            farthest += origin[k].abs() + WIDTH * step + morph_extent[k];
+        }
         out.morphed = morph_extent.map(|x| f32_above(x / step));
         let width = out.morphed.map(|x| WIDTH + f64::from(x));
         let (mut reach, mut exact) = (width, 0.0);
-        let movers = cluster_bones.iter().filter(|row| row.bone != own);
-        for (map, row) in out.maps.iter_mut().zip(movers) {
-            let x = columns(row.bone);
-            let away: [f64; 3] = std::array::from_fn(|i| x[3][i] - own_columns[3][i]);
+        for (map, motion) in out.maps.iter_mut().zip(&relative.0) {
+            let [x, y, z] = &motion.columns;
             for k in 0..3 {
-                let e: [f64; 3] = std::array::from_fn(|j| turned(x[j], k) - if j == k { 1.0 } else { 0.0 });
-                let at_origin = turned(away, k) + (e[0] * origin[0] + e[1] * origin[1] + e[2] * origin[2]);
-                map.linear[k] = e.map(|entry| entry as f32);
+                let at_origin = motion.offset[k] + (x[k] * origin[0] + y[k] * origin[1] + z[k] * origin[2]);
+                map.linear[k] = [x[k] as f32, y[k] as f32, z[k] as f32];
                 map.offset[k] = (at_origin / step) as f32;
-                let turned: f64 = (0..3).map(|j| f64::from(map.linear[k][j].abs()) * width[j]).sum();
+                let [x, y, z] = map.linear[k].map(|entry| f64::from(entry.abs()));
+                let turned = x * width[0] + y * width[1] + z * width[2];
                 reach[k] += 3.0 * (turned + f64::from(map.offset[k].abs()));
             }
-            let linear = inverse_norm * norm(x[..3].as_flattened()) + 1.0;
-            exact += 2.0 * slack * (linear * farthest + inverse_norm * (norm(&x[3]) + own_offset));
+            exact += 2.0 * (motion.entry_error * farthest + motion.offset_error);
         }
         for k in 0..3 {
             let error = PLANE_ERROR * reach[k] * step + exact;

@@ -44,8 +44,6 @@ pub(crate) struct Outline {
 /// A bone that moves vertices of a cluster beside the cluster's own.
 #[derive(Clone, Debug)]
 pub(crate) struct Mover {
-    /// Bone row.
-    pub bone: usize,
     pub pivot: [f64; 3],
     /// Greatest weight.
     pub weight: f64,
@@ -92,8 +90,7 @@ impl PoseSpaces {
             let rows = rows.start..rows.start + cluster.cluster_bone_count as usize;
             let rows = model.cluster_bones[rows.clone()].iter().zip(&model.levers[rows]);
             let others = rows.filter(|(row, _)| row.bone != cluster.bone);
-            out.movers
-                .extend(others.map(|(row, lever)| Mover::new(row.bone as usize, lever)));
+            out.movers.extend(others.map(|(_, lever)| Mover::new(lever)));
             out.movers_of.push(first..out.movers.len());
             let movers = &out.movers[first..];
             let rows = &model.bone_envelopes[space.bone_envelope_first as usize..];
@@ -188,12 +185,11 @@ impl Outline {
 }
 
 impl Mover {
-    fn new(bone: usize, row: &LeverRow) -> Self {
+    fn new(row: &LeverRow) -> Self {
         let weight = f64::from(row.weight);
         let levers: [f64; 12] = std::array::from_fn(|n| if n < 9 { f64::from(row.lever[n / 3]) } else { weight });
         let pivot = row.pivot.map(f64::from);
         Self {
-            bone,
             pivot,
             weight,
             levers,

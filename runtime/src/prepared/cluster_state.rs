@@ -2,7 +2,7 @@ use super::Prepared;
 use crate::{
     Aabb, Asset,
     cluster_frame::{ClusterFrame, FrameInputs, Map64, PosedMap, Way, invert_frame, posed_reach},
-    excess::{Excess, MeasuredPose, Motions},
+    excess::{Excess, Motions},
     mover_maps::MoverMaps,
     refitted_tree::RefittedTree,
     vertex::reach,
@@ -136,22 +136,16 @@ impl ClusterState {
         let Some(inverse) = invert_frame(&prepared.pose.palette[cluster.bone as usize]) else {
             return PosedCluster::without_excess(refitted());
         };
-        let excess = self.excess(prepared, asset, cluster, &inverse, motions);
         let model = asset.model();
+        let bones = &model.cluster_bones[cluster.cluster_bone_first as usize..][..cluster.cluster_bone_count as usize];
+        motions
+            .relative
+            .update(bones, cluster.bone, &inverse, &prepared.pose.palette);
+        let excess = self.excess(prepared, asset, cluster, motions);
         let movers = if model.node_movers.is_empty() {
             MoverMaps::NONE
         } else {
-            let bones =
-                &model.cluster_bones[cluster.cluster_bone_first as usize..][..cluster.cluster_bone_count as usize];
-            let palette = &prepared.pose.palette;
-            MoverMaps::new(
-                asset.rest_lattice(self.row),
-                bones,
-                cluster.bone,
-                &inverse,
-                palette,
-                prepared.morph_extent(),
-            )
+            MoverMaps::new(asset.rest_lattice(self.row), &motions.relative, prepared.morph_extent())
         };
         PosedCluster {
             frame: self
@@ -163,27 +157,16 @@ impl ClusterState {
         }
     }
 
-    fn excess(
-        &self,
-        prepared: &Prepared,
-        asset: &Asset,
-        cluster: &ClusterRow,
-        inverse: &[[f64; 3]; 3],
-        motions: &mut Motions,
-    ) -> Excess {
+    fn excess(&self, prepared: &Prepared, asset: &Asset, cluster: &ClusterRow, motions: &mut Motions) -> Excess {
         let Some(space) = asset.pose_spaces().of(asset.model(), self.row as usize) else {
             return Excess::NONE;
-        };
-        let pose = MeasuredPose {
-            bones: &prepared.pose.palette,
-            morph_weights: &prepared.pose.morph_weights,
         };
         let hint = match prepared.stretch {
             Some(stretch) => asset.envelope_hints().of(stretch, self.row),
             None => &self.entered.nearest_envelope,
         };
         let mut nearest = hint.load(Relaxed).min(space.envelope_count - 1);
-        let mut excess = motions.measure(&space, cluster.bone as usize, inverse, pose, &mut nearest);
+        let mut excess = motions.measure(&space, &prepared.pose.morph_weights, &mut nearest);
         hint.store(nearest, Relaxed);
         excess.is_outside |= excess.largest() > UNKNOWN * longest_side(cluster);
         excess

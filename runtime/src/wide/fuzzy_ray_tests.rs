@@ -7,6 +7,7 @@ use crate::{
     Aabb, Affine,
     cluster_frame::{LatticeRay, invert_frame},
     mover_maps::MoverMaps,
+    relative_motions::RelativeMotions,
     simd::{Lanes, Portable},
 };
 use fastrand::Rng;
@@ -194,7 +195,9 @@ impl Posed {
                 (row.weight[at], row.spread[at]) = (middle as u16, off.div_ceil(unit) as u16);
             }
         }
-        let maps = MoverMaps::new(&lattice, &cluster_bones, own, &inverse, &palette, morph_extent);
+        let mut relative = RelativeMotions::default();
+        relative.update(&cluster_bones, own, &inverse, &palette);
+        let maps = MoverMaps::new(&lattice, &relative, morph_extent);
         Self {
             places,
             lattice,
