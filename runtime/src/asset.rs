@@ -77,7 +77,7 @@ impl Asset {
     ///
     /// # Safety
     /// As of [`Asset::map`]; and the file comes from where nobody would forge it: what [`restpose_formats::write`] has not
-    /// written may read memory that is not its own.
+    /// written may panic, never end or lose hits.
     ///
     /// # Errors
     /// As [`Asset::open`], but for faults of rows.

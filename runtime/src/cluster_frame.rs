@@ -26,7 +26,8 @@
 //! 7. *Slabs.* `((plane − o) ∓ margin)·(1/d)` has four roundings, 4u relative to `|plane − o|`.
 //!
 //! 1 to 4 make [`LocalFrame::margin_local`], fixed for the frame; 5 to 7 are [`RAY_ERROR`]`·D·Σ|L|` and a term in
-//! the size of the local box, added when a ray enters.
+//! the size of the local box, added when a ray enters. Boxes that follow the pose hold in every pose: for them
+//! [`LocalFrame::margin_posed`] has what rounding adds to their planes (`mover_maps`) in place of point 4.
 //!
 //! Boxes of single triangles are on a lattice, and a plane at step q is computed as `q·(step·(1/d)) + ((min − o) ∓
 //! margin)·(1/d)`: nine roundings, relative to `|min − o|` and the side of the box, which is at most twice its extent.

@@ -23,9 +23,9 @@
 //! What its rays touch. A commit bounds the instances that changed, by their clips' boxes in the file or by their palettes,
 //! and builds a tree over them. The first ray that enters an instance poses its bones and bounds its clusters, the first that
 //! enters a cluster inverts its matrix and measures its pose; in its tree boxes follow the pose as rays come by, and a ray that
-//! reaches a triangle poses its vertices. Where many
-//! rays come, all vertices are posed and the tree is refitted, once ([`Posing`]). Threads do so side by side without waiting;
-//! hits do not depend on any of it. [`FrameStats`] says what was touched.
+//! reaches a triangle poses its vertices. Where many rays come, all vertices are posed and the tree is refitted, once
+//! ([`Posing`]). Threads do so side by side without waiting; hits do not depend on any of it. [`FrameStats`] says what was
+//! touched.
 //!
 //! [`InstanceState`]s are past or future poses: [`Scene::state`], [`Scene::set_state`], and for rays with times of their own
 //! [`Scene::set_motion`] and [`Frame::closest_hit_at`].

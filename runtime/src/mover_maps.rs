@@ -39,8 +39,9 @@ const WIDTH: f64 = u16::MAX as f64;
 /// Steps that no plane of a posed box is beyond, where boxes are relied upon: 256 times the lattice.
 pub(crate) const MOST_STEPS: f32 = (1u32 << 24) as f32;
 
-/// Units of roundoff, relative to the greatest magnitudes that enter, that a plane is off by. Eight movers add up to 8 + 8
-/// roundings, and six are in each motion; twice that is taken.
+/// Units of roundoff, relative to the greatest magnitudes that enter, that a plane is off by. Six roundings are in each
+/// motion, eight movers add up to eight, and the ray's way to the plane takes nine (`cluster_frame`): with those of the weights
+/// about 26; more than twice that is taken.
 const PLANE_ERROR: f64 = 64.0 * UNIT_ROUNDOFF;
 
 impl MoverMaps {

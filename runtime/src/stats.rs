@@ -27,7 +27,7 @@ pub struct FrameStats {
     /// Clusters whose pose is outside the pose space that their boxes were made for, by more than rounding in `f64`. (A
     /// palette that carries its bones far from the origin is itself rounded there, and leaves the pose space by that: let the
     /// instance transform carry them.) They are
-    /// traced with wider boxes, and their tree is refitted once so many rays have entered that this pays. Always 0 with
+    /// traced with wider boxes where these do not follow the pose, and their tree is refitted once so many rays have entered that this pays. Always 0 with
     /// sampled bounds, which do not know.
     pub clusters_outside: u32,
     /// Largest length by which a cluster's boxes are widened for its pose, in the cluster's rest space; inside it is what

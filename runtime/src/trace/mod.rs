@@ -1,5 +1,5 @@
-//! Traversal: a hierarchy over the clusters' world boxes, and in each cluster that a ray enters, the kd-tree over its
-//! fuzzy boxes.
+//! Traversal: a hierarchy over the clusters' world boxes, and in each cluster that a ray enters, its fuzzy tree: a
+//! kd-tree, or a wide one, some of whose boxes follow the pose.
 //!
 //! Inside, the ray is `origin + t·2^e·direction'` with the direction scaled by a power of two so that its longest
 //! component is in [1, 2): `t` then measures lengths, whatever the caller's units, and error bounds in lengths hold.

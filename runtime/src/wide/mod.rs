@@ -1,8 +1,8 @@
 //! Wide trees: nodes of eight children whose boxes one ray meets in one step.
 //!
 //! One traversal, [`walk`], serves both kinds of node: [`WideNode`]s with boxes in world space (the top level, an
-//! instance's top level, trees over posed triangles), and the rows of a file, whose boxes are on their cluster's lattice
-//! in its local space. [`refit`] gives a tree the boxes of this frame, [`append_rows`] takes the topology of a file's
+//! instance's top level, trees over posed triangles), and the rows of a file, whose boxes are on one of their cluster's
+//! two lattices in its local space ([`FuzzyRay`]). [`refit`] gives a tree the boxes of this frame, [`append_rows`] takes the topology of a file's
 //! tree, [`collapse`] makes a wide tree of a binary one.
 //!
 //! Coherent rays go through trees in world space together: a [`Packet`] parts them into bundles that [`walk`] takes like a
