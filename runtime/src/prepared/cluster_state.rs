@@ -145,7 +145,11 @@ impl ClusterState {
         let movers = if model.node_movers.is_empty() {
             MoverMaps::NONE
         } else {
-            MoverMaps::new(asset.rest_lattice(self.row), &motions.relative, prepared.morph_extent())
+            // The morphs of a cluster are known with its pose space; most have none.
+            let space = asset.pose_spaces().of(model, self.row as usize);
+            let is_morphed = space.is_none_or(|space| !space.morphs.is_empty());
+            let morph_extent = if is_morphed { prepared.morph_extent() } else { [0.0; 3] };
+            MoverMaps::new(asset.rest_lattice(self.row), &motions.relative, morph_extent)
         };
         PosedCluster {
             frame: self
