@@ -7,7 +7,7 @@ use crate::{
 };
 use restpose_formats::{
     FormatError, ModelView, TreeKind, read, read_written,
-    rows::{ClusterRow, NONE, RestLattice, WideNodeRow, box_steps},
+    rows::{ClusterRow, NONE, RestLattice, WideChild, WideNodeRow, box_steps},
 };
 use std::{io, path::Path};
 
@@ -125,10 +125,17 @@ impl Asset {
         let clusters = view.clusters.iter();
         let rest_lattices = clusters.map(|cluster| RestLattice::new(bones(cluster))).collect();
         let rays_of_followers = view.clusters.iter().map(|cluster| {
-            let nodes = view.wide_nodes.get(cluster.node_first as usize..);
-            let mut nodes = nodes.unwrap_or_default().iter().take(cluster.node_count as usize);
-            let follows = nodes.any(|node| node.mover_count != 0);
-            if follows {
+            let nodes = view.wide_nodes.get(cluster.node_first as usize..).unwrap_or_default();
+            let nodes = nodes.iter().take(cluster.node_count as usize);
+            let leaves = |node: &WideNodeRow| {
+                node.children()
+                    .filter(|child| matches!(child, WideChild::Leaf(_)))
+                    .count()
+            };
+            let following: usize = nodes.filter(|node| node.mover_count != 0).map(leaves).sum();
+            // Where much does not follow, wider boxes cost a ray its triangles.
+            let is_most = 8 * following as u64 >= 7 * u64::from(cluster.triangle_count);
+            if is_most {
                 cluster.triangle_count / TRIANGLES_PER_RAY
             } else {
                 0

@@ -22,7 +22,7 @@ const UNKNOWN: f64 = 1.0 / 1024.0;
 /// two together cost at most twice the better.
 const REFIT_RAYS: f64 = 2.5;
 
-/// Where boxes of a cluster's nodes follow the pose, wider ones above them cost a ray some steps and no tests, about 400 ns,
+/// Where nearly all boxes of a cluster's leaves follow the pose, wider ones above them cost a ray some steps and no tests, about 400 ns,
 /// while refitting takes 100 ns a triangle: one ray per so many triangles.
 pub(crate) const TRIANGLES_PER_RAY: u32 = 4;
 
