@@ -100,19 +100,20 @@ impl FollowedCluster<'_> {
             steps: box_steps(&tree.bounds).map(f64::from),
             motions,
         };
+        let places = |node: &WideNodeRow, below: &[Below]| -> Vec<Below> {
+            let held = |child| match child {
+                WideChild::Node(index) => below[index as usize],
+                WideChild::Leaf(place) => self.triangle(triangle(place), &movers),
+                WideChild::Empty => Below::NOTHING,
+            };
+            node.children().map(held).collect()
+        };
         let mut below = vec![Below::NOTHING; tree.nodes.len()];
         let mut follows = vec![false; tree.nodes.len()];
         // Children stand behind their parents.
         for at in (0..tree.nodes.len()).rev() {
             let node = &tree.nodes[at];
-            let places: Vec<Below> = node
-                .children()
-                .map(|child| match child {
-                    WideChild::Node(index) => below[index as usize],
-                    WideChild::Leaf(place) => self.triangle(triangle(place), &movers),
-                    WideChild::Empty => Below::NOTHING,
-                })
-                .collect();
+            let places = places(node, &below);
             let mut all = Below::NOTHING;
             places.iter().for_each(|place| all.add(place));
             (follows[at], all.cost) = choice.of_node(node, &places, &all);
@@ -125,14 +126,7 @@ impl FollowedCluster<'_> {
                 continue;
             }
             let node = &mut tree.nodes[at];
-            let places: Vec<Below> = node
-                .children()
-                .map(|child| match child {
-                    WideChild::Node(index) => below[index as usize],
-                    WideChild::Leaf(place) => self.triangle(triangle(place), &movers),
-                    WideChild::Empty => Below::NOTHING,
-                })
-                .collect();
+            let places = places(node, &below);
             for (place, held) in places.iter().enumerate() {
                 let [min, max] = lattice.around(&held.rest);
                 for k in 0..3 {
