@@ -3,12 +3,15 @@ use crate::{
     cluster_frame::Way,
     excess::Motions,
     instance::Instance,
-    trace::{Answer, TraceContext, trace, trace_batch},
+    trace::{Answer, RayOrder, TraceContext, trace, trace_together},
 };
 
 /// Rays of a batch that one task traces.
 #[cfg(feature = "parallel")]
 const RAYS_PER_TASK: usize = 256;
+
+/// Rays that are sorted at once, 2¹⁸: what that takes, some 10 MiB, stays bounded, and tasks are many.
+const RAYS_SORTED: usize = 1 << 18;
 
 /// A scene that is ready for rays. Copy it freely; any number of threads may trace it at once.
 #[derive(Clone, Copy, Debug)]
@@ -114,10 +117,38 @@ impl Frame<'_> {
         self.batch(rays, occluded);
     }
 
+    /// Coherent rays first, then the others in an order of their own.
     fn batch<A: Answer>(&self, rays: &[Ray], answers: &mut [A]) {
-        self.in_tasks(rays.len(), answers, |first, answers, context| {
-            trace_batch(self.scene, &rays[first..][..answers.len()], answers, context);
-        });
+        assert_eq!(rays.len(), answers.len(), "one answer per ray");
+        for (rays, answers) in rays.chunks(RAYS_SORTED).zip(answers.chunks_mut(RAYS_SORTED)) {
+            RayOrder::with(|order| {
+                order.begin(rays.len());
+                self.in_tasks(rays.len(), answers, |first, answers, context| {
+                    trace_together(
+                        self.scene,
+                        &rays[first..][..answers.len()],
+                        answers,
+                        context,
+                        |place, alone| order.leave(first + place, alone),
+                    );
+                });
+                order.sort(rays, &self.bounds());
+                let (places, hits) = order.split();
+                self.in_tasks(places.len(), hits, |first, hits, context| {
+                    for (place, hit) in places[first..].iter().zip(hits) {
+                        let ray = &rays[*place as u32 as usize];
+                        *hit = if A::ANY {
+                            trace::<true>(self.scene, ray, 0.0, context, &mut ())
+                        } else {
+                            trace::<false>(self.scene, ray, 0.0, context, &mut ())
+                        };
+                    }
+                });
+                for (place, hit) in places.iter().zip(hits) {
+                    answers[*place as u32 as usize] = A::of(*hit);
+                }
+            });
+        }
     }
 
     /// Runs `task` for the answers from its first on.

@@ -3,6 +3,7 @@
 use restpose_bake::{
     BakeSettings,
     import::import,
+    subdivide::subdivide,
     verify::{Oracle, Rays},
 };
 use restpose_formats::TreeKind;
@@ -130,4 +131,47 @@ fn rays_through_crowds_answer_what_single_rays_do() {
         hits += assert_alike(&format!("spacing {spacing}"), &frame, &rays);
     }
     assert!(hits > 1_000, "{hits}");
+}
+
+/// Rays that run the same way along each axis but begin anywhere: not bundles, whatever their signs say.
+#[test]
+fn rays_that_are_far_apart_answer_what_single_rays_do() {
+    let mut random = fastrand::Rng::with_seed(31);
+    let path = sample_scenes()
+        .into_iter()
+        .find(|path| path.ends_with("walker.glb"))
+        .unwrap();
+    let mut animation = subdivide(&import(&path).unwrap().animation, 2);
+    // One triangle so far away that bundles look narrow beside the mesh.
+    let primitive = &mut animation.meshes[0].primitives[0];
+    for corner in 0..3u8 {
+        let vertex = primitive.positions.len() as u32;
+        primitive
+            .positions
+            .push([100.0, f32::from(corner % 2), f32::from(corner / 2)]);
+        primitive.influences.push(primitive.influences[0].clone());
+        if corner == 2 {
+            primitive.triangles.push([vertex - 2, vertex - 1, vertex]);
+        }
+    }
+    let asset = baked_with(&animation, &BakeSettings::default());
+    let mut hits = 0;
+    for posing in [Posing::Whole, Posing::Recomputed] {
+        let mut scene = Scene::new();
+        let walker = scene.add(&asset);
+        scene.set_posing(walker, posing).unwrap();
+        scene.play(walker, 0, 0.4).unwrap();
+        let frame = scene.commit();
+        for spread in [0.0, 0.05, 0.9] {
+            let rays: Vec<Ray> = (0..2_000)
+                .map(|_| {
+                    let origin = [-2.0, -0.5, -1.0].map(|low: f32| low + random.f32() * 2.0);
+                    let direction = [0.9, 0.4, 0.3].map(|along| along + spread * (random.f32() - 0.3));
+                    Ray::new(origin, direction)
+                })
+                .collect();
+            hits += assert_alike(&format!("{posing:?}, {spread}"), &frame, &rays);
+        }
+    }
+    assert!(hits > 2_000, "{hits}");
 }

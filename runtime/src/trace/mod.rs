@@ -12,11 +12,13 @@ mod batch;
 mod context;
 mod mailbox;
 mod moments;
+mod ray_order;
 mod traveller;
 mod walk;
 
-pub(crate) use batch::{Answer, trace_batch};
+pub(crate) use batch::{Answer, trace_together};
 pub(crate) use context::TraceContext;
+pub(crate) use ray_order::RayOrder;
 pub(crate) use walk::Hierarchy;
 
 use crate::{

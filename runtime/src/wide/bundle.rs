@@ -106,6 +106,45 @@ impl RayBundle {
     }
 }
 
+impl RayBundle {
+    /// Roughly which part of the cross-section of `bounds` the bundle covers, up to `limit`: what it may meet that each of
+    /// its rays alone does not.
+    ///
+    /// As wide as interval arithmetic sees it: where directions differ in length, so do their slopes.
+    pub(super) fn breadth(&self, bounds: &Aabb, limit: f32) -> f32 {
+        let [inverse_high, inverse_low] = &self.inverse_direction;
+        // Along each axis, by magnitude: the least and the greatest component.
+        let components: [[f32; 2]; 3] = std::array::from_fn(|k| {
+            let (a, b) = (1.0 / inverse_high[k].abs(), 1.0 / inverse_low[k].abs());
+            [a.min(b), a.max(b)]
+        });
+        let longest = |best: usize, k: usize| {
+            if components[k][0] > components[best][0] {
+                k
+            } else {
+                best
+            }
+        };
+        let along = (1..3).fold(0, longest);
+        let [least, greatest] = components[along];
+        let [low, high] = &self.origin;
+        let behind = if inverse_low[along] > 0.0 {
+            bounds.max[along] - low[along]
+        } else {
+            high[along] - bounds.min[along]
+        };
+        let depth = behind.min(limit * greatest);
+        let across = [(along + 1) % 3, (along + 2) % 3];
+        across.iter().fold(1.0, |part, k| {
+            let slopes = [components[*k][0] / greatest, components[*k][1] / least];
+            let apart = (high[*k] - low[*k]) + (high[along] - low[along]) * slopes[1];
+            let width = apart + depth * (slopes[1] - slopes[0]);
+            // A NaN covers all.
+            part * (width / (bounds.max[*k] - bounds.min[*k])).min(1.0)
+        })
+    }
+}
+
 /// A bundle ready for nodes whose boxes are `f32`, with the margin that boxes inside of some bounds need.
 ///
 /// # Why it misses nothing that one of its rays meets

@@ -113,6 +113,9 @@ impl Packet {
     }
 }
 
+/// Nodes that a bundle meets, for each of its rays, at which the rays are faster alone.
+const NODES_PER_RAY: f32 = 2.0;
+
 /// Rays of a packet that go through trees in world space together, as the traveller of [`walk`](super::walk).
 #[derive(Debug)]
 pub(crate) struct Bundled<'a> {
@@ -136,10 +139,13 @@ impl Bundled<'_> {
         self.groups.clone()
     }
 
-    /// Ready for a tree with these bounds; `None` where distances overflow, and the rays have to go one by one.
+    /// Ready for a tree; `None` where the rays are to go one by one: they are too far apart, or distances overflow.
     #[inline]
-    pub(crate) fn in_world(&self, bounds: &Aabb) -> Option<WideBundle> {
-        WideBundle::new(&self.bundle, bounds)
+    pub(crate) fn in_world(&self, tree: &[WideNode]) -> Option<WideBundle> {
+        let bounds = tree.first()?.around();
+        let met = self.bundle.breadth(&bounds, self.limit) * tree.len() as f32;
+        let is_narrow = met <= NODES_PER_RAY * (self.groups.len() * GROUP) as f32;
+        is_narrow.then(|| WideBundle::new(&self.bundle, &bounds)).flatten()
     }
 
     /// A bit for each ray of a group that may hit the triangle: each ray that does is among them, even where it lies

@@ -1,0 +1,93 @@
+use crate::{Aabb, Hit, Ray};
+use std::{
+    cell::RefCell,
+    sync::atomic::{AtomicU64, Ordering::Relaxed},
+};
+
+/// Steps along the longest side of a scene, 2¹⁰: so thirty bits tell a cell.
+const CELLS: f32 = 1024.0;
+
+/// The rays of a batch that go alone, in an order in which those that begin near each other follow each other: they need the
+/// same instances, and what these are is in caches. Memory: keep it.
+#[derive(Debug, Default)]
+pub(crate) struct RayOrder {
+    /// A bit for each ray that goes alone, by place in the batch.
+    alone: Vec<AtomicU64>,
+    /// Cell and place.
+    keys: Vec<u64>,
+    /// Of the rays in their order.
+    hits: Vec<Option<Hit>>,
+}
+
+impl RayOrder {
+    /// Begins a batch of so many rays.
+    pub(crate) fn begin(&mut self, rays: usize) {
+        self.alone
+            .resize_with(rays.div_ceil(u64::BITS as usize), AtomicU64::default);
+    }
+
+    /// Says which rays go alone, of the 64 from `first` on.
+    pub(crate) fn leave(&self, first: usize, alone: u64) {
+        self.alone[first / u64::BITS as usize].store(alone, Relaxed);
+    }
+
+    /// Sorts those that go alone by where they enter `bounds`.
+    pub(crate) fn sort(&mut self, rays: &[Ray], bounds: &Aabb) {
+        let longest = (0..3).fold(0.0, |longest: f32, k| longest.max(bounds.max[k] - bounds.min[k]));
+        let scale = CELLS / longest;
+        self.keys.clear();
+        for (word, mask) in self.alone.iter().enumerate() {
+            let mut mask = mask.load(Relaxed);
+            while mask != 0 {
+                let place = word * u64::BITS as usize + mask.trailing_zeros() as usize;
+                mask &= mask - 1;
+                self.keys
+                    .push(u64::from(cell(&rays[place], bounds, scale)) << 32 | place as u64);
+            }
+        }
+        self.keys.sort_unstable();
+        self.hits.clear();
+        self.hits.resize(self.keys.len(), None);
+    }
+
+    /// Places of the rays in their order, and room for the hit of each.
+    pub(crate) fn split(&mut self) -> (&[u64], &mut [Option<Hit>]) {
+        (&self.keys, &mut self.hits)
+    }
+
+    /// Runs `batch` with the thread's own.
+    pub(crate) fn with<T>(batch: impl FnOnce(&mut Self) -> T) -> T {
+        thread_local! {
+            static OWN: RefCell<RayOrder> = RefCell::default();
+        }
+        OWN.with(|own| match own.try_borrow_mut() {
+            Ok(mut own) => batch(&mut own),
+            // A batch within a task of another that this thread waits for.
+            Err(_) => batch(&mut Self::default()),
+        })
+    }
+}
+
+/// Along a curve of Morton's: which cell of the bounds the ray enters first. Any will do where something overflows.
+fn cell(ray: &Ray, bounds: &Aabb, scale: f32) -> u32 {
+    let mut t = ray.t_min;
+    for k in 0..3 {
+        let (origin, direction) = (ray.origin[k], ray.direction[k]);
+        if direction != 0.0 {
+            let plane = if direction > 0.0 { bounds.min[k] } else { bounds.max[k] };
+            t = t.max((plane - origin) / direction);
+        }
+    }
+    (0..3).fold(0, |cell, k| {
+        let at = ray.origin[k] + t * ray.direction[k];
+        cell | spread(((at - bounds.min[k]) * scale).min(CELLS - 1.0) as u32) << k
+    })
+}
+
+/// Two zeros between the ten lowest bits.
+fn spread(mut x: u32) -> u32 {
+    x = (x | x << 16) & 0x0300_00ff;
+    x = (x | x << 8) & 0x0300_f00f;
+    x = (x | x << 4) & 0x030c_30c3;
+    (x | x << 2) & 0x0924_9249
+}
