@@ -148,7 +148,7 @@ fn rays_that_are_far_apart_answer_what_single_rays_do() {
         let vertex = primitive.positions.len() as u32;
         primitive
             .positions
-            .push([100.0, f32::from(corner % 2), f32::from(corner / 2)]);
+            .push([100.0, 100.0 + f32::from(corner % 2), 100.0 + f32::from(corner / 2)]);
         primitive.influences.push(primitive.influences[0].clone());
         if corner == 2 {
             primitive.triangles.push([vertex - 2, vertex - 1, vertex]);
