@@ -306,9 +306,9 @@ pub(crate) struct FrameInputs<'a> {
     pub bounds_world: &'a Aabb,
     /// Bounds, per local axis, by how much fuzzy positions leave the fuzzy boxes in this pose.
     pub excess: [f64; 3],
-    /// Bounds, per local axis, by how much they leave the boxes that follow the pose: [`MoverMaps::error`].
+    /// Bounds, per local axis, by how much they leave the boxes that follow the pose ([`MoverMaps`]).
     ///
-    /// [`MoverMaps::error`]: crate::mover_maps::MoverMaps::error
+    /// [`MoverMaps`]: crate::mover_maps::MoverMaps
     pub posed_error: [f64; 3],
 }
 

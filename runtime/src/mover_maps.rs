@@ -28,9 +28,6 @@ pub(crate) struct MoverMaps {
     pub maps: [MoverMap; MAX_MOVERS],
     /// By how much morphs displace a rest position, at most, in steps.
     pub morphed: [f32; 3],
-    /// Bounds, per axis and in local space, by how much a fuzzy position leaves the box that is computed for it: what
-    /// rounding adds. Infinite where boxes must not be relied upon.
-    pub error: [f64; 3],
 }
 
 /// Greatest coordinate of the lattice.
@@ -49,10 +46,13 @@ impl MoverMaps {
     pub(crate) const NONE: Self = Self {
         maps: [MoverMap::STILL; MAX_MOVERS],
         morphed: [0.0; 3],
-        error: [f64::INFINITY; 3],
     };
 
-    /// Of the relative motions in a pose.
+    /// Error of boxes that must not be relied upon.
+    pub(crate) const UNKNOWN: [f64; 3] = [f64::INFINITY; 3];
+
+    /// Of the relative motions in a pose; and what bounds, per axis and in local space, by how much a fuzzy position leaves the
+    /// box that is computed for it: what rounding adds, [`Self::UNKNOWN`] where boxes must not be relied upon.
     ///
     /// # Why the error bounds what is left out
     ///
@@ -60,10 +60,10 @@ impl MoverMaps {
     /// the origin's magnitudes and three widths bounds. Weights of movers sum to one at most, up to half a unit each of the
     /// row's. In `f32` a plane is off by some roundings of the magnitudes that enter: the lattice's width, and the motions'
     /// greatest ones, once for the middle and twice for the half.
-    pub(crate) fn new(lattice: &RestLattice, relative: &RelativeMotions, morph_extent: [f64; 3]) -> Self {
-        let mut out = Self::NONE;
+    pub(crate) fn new(lattice: &RestLattice, relative: &RelativeMotions, morph_extent: [f64; 3]) -> (Self, [f64; 3]) {
+        let (mut out, mut error) = (Self::NONE, Self::UNKNOWN);
         if !lattice.is_usable() {
-            return out;
+            return (out, error);
         }
         let step = f64::from(lattice.step);
         let origin = lattice.origin.map(f64::from);
@@ -87,11 +87,11 @@ impl MoverMaps {
             exact += 2.0 * (motion.entry_error * farthest + motion.offset_error);
         }
         for k in 0..3 {
-            let error = PLANE_ERROR * reach[k] * step + exact;
-            if reach[k] <= f64::from(MOST_STEPS) && error.is_finite() {
-                out.error[k] = error;
+            let bound = PLANE_ERROR * reach[k] * step + exact;
+            if reach[k] <= f64::from(MOST_STEPS) && bound.is_finite() {
+                error[k] = bound;
             }
         }
-        out
+        (out, error)
     }
 }

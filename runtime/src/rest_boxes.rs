@@ -180,27 +180,23 @@ fn magnitudes<S: Lanes>(simd: S, a: S::F4) -> S::F4 {
     simd.max4(a, simd.sub4(simd.splat4(0.0), a))
 }
 
-/// Memory for [`cluster_bounds`].
+/// Memory for [`cluster_bounds`]: of the bones that move anything, what [`image`] makes of them.
 #[derive(Debug, Default)]
-pub(crate) struct ClusterBoxes {
-    /// Of the bones that move anything, as [`image`] makes them.
-    images: Vec<BoneImage>,
-    /// World boxes of the clusters without a track, by row.
-    pub bounds: Vec<Aabb>,
-}
+pub(crate) struct BoneImages(Vec<BoneImage>);
 
 #[repr(align(32))]
 #[derive(Clone, Copy, Debug)]
 struct BoneImage([[f32; 8]; 4]);
 
-/// Writes the world boxes of the clusters without a track. `posed` holds world space from rest space per bone row, as
+/// Writes the world boxes of the clusters without a track, by row, in place of what is in `out`. `posed` holds world space from rest space per bone row, as
 /// vertices are posed by it; `morphed` is the [`morph_extent`](crate::posed_bounds::morph_extent).
 pub(crate) fn cluster_bounds(
     level: SimdLevel,
     asset: &Asset,
     posed: &[Affine],
     morphed: [f64; 3],
-    out: &mut ClusterBoxes,
+    images: &mut BoneImages,
+    out: &mut Vec<Aabb>,
 ) {
     let (boxes, error) = (asset.rest_boxes(), f32_above(asset.vertex_error() + IMAGE_ERROR));
     let grown = widened(morphed);
@@ -213,15 +209,16 @@ pub(crate) fn cluster_bounds(
             posed: &[Affine],
             grown: [f32; 3],
             error: f32,
-            out: &mut ClusterBoxes,
+            images: &mut BoneImages,
+            out: &mut Vec<Aabb>,
         ) {
-            cluster_bounds_with(simd, boxes, posed, grown, error, out);
+            cluster_bounds_with(simd, boxes, posed, grown, error, images, out);
         }
         #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
         // SAFETY: an `Avx2` exists only on machines that have both features.
-        return unsafe { compiled(simd, boxes, posed, grown, error, out) };
+        return unsafe { compiled(simd, boxes, posed, grown, error, images, out) };
     }
-    cluster_bounds_with(Portable, boxes, posed, grown, error, out);
+    cluster_bounds_with(Portable, boxes, posed, grown, error, images, out);
 }
 
 #[inline(always)]
@@ -231,20 +228,21 @@ fn cluster_bounds_with<S: Lanes>(
     posed: &[Affine],
     grown: [f32; 3],
     error: f32,
-    out: &mut ClusterBoxes,
+    BoneImages(images): &mut BoneImages,
+    out: &mut Vec<Aabb>,
 ) {
-    out.images.resize(boxes.bones.len(), BoneImage([[0.0; 8]; 4]));
-    for (rest, stored) in boxes.bones.iter().zip(&mut out.images) {
+    images.resize(boxes.bones.len(), BoneImage([[0.0; 8]; 4]));
+    for (rest, stored) in boxes.bones.iter().zip(&mut *images) {
         let (columns, _) = image(simd, &posed[rest.bone as usize], rest, grown, error);
         for j in 0..4 {
             simd.store8(columns[j], &mut stored.0[j]);
         }
     }
-    out.bounds.resize(boxes.of_clusters.len(), Aabb::EMPTY);
-    for (rows, bounds) in boxes.of_clusters.iter().zip(&mut out.bounds) {
+    out.resize(boxes.of_clusters.len(), Aabb::EMPTY);
+    for (rows, bounds) in boxes.of_clusters.iter().zip(out) {
         let mut hull = Hull::empty(simd);
         for (rest, place) in &boxes.rows[rows.clone()] {
-            let [x, y, z, offset] = &out.images[*place as usize].0;
+            let [x, y, z, offset] = &images[*place as usize].0;
             let columns = [simd.load8(x), simd.load8(y), simd.load8(z), simd.load8(offset)];
             hull.add(simd, &columns, rest);
         }

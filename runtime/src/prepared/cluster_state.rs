@@ -10,7 +10,7 @@ use crate::{
 use restpose_formats::rows::{ClusterRow, NONE};
 use std::sync::{
     OnceLock,
-    atomic::{AtomicBool, AtomicU32, Ordering::Relaxed},
+    atomic::{AtomicU32, Ordering::Relaxed},
 };
 
 /// Where rounding alone widens a cluster by more than this part of its longest side, as in a palette far from the origin,
@@ -33,16 +33,6 @@ pub(crate) struct ClusterState {
     pub row: u32,
     /// Cache row that moves its vertices, or `NONE`.
     pub cache: u32,
-    /// Contains every posed vertex of the cluster.
-    pub bounds_world: Aabb,
-    /// Whether `entered` holds anything of this pose: where no ray came, a new pose leaves its memory alone.
-    is_entered: AtomicBool,
-    entered: Box<Entered>,
-}
-
-/// What the first ray makes of a cluster.
-#[derive(Debug, Default)]
-struct Entered {
     posed: OnceLock<PosedCluster>,
     refitted: RefittedTree,
     /// The envelope in which its pose was last found: where to look first.
@@ -73,63 +63,71 @@ impl PosedCluster {
 }
 
 impl ClusterState {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(row: u32, cache: u32) -> Self {
         Self {
-            row: NONE,
-            cache: NONE,
-            bounds_world: Aabb::EMPTY,
-            is_entered: AtomicBool::new(false),
-            entered: Box::default(),
+            row,
+            cache,
+            posed: OnceLock::new(),
+            refitted: RefittedTree::default(),
+            nearest_envelope: AtomicU32::new(0),
         }
     }
 
-    /// Begins a pose. `tree` is the place of the tree that was built for it among the instance's, or `NONE`.
-    pub(super) fn begin(&mut self, row: u32, cache: u32, bounds_world: Aabb, tree: u32) {
-        self.row = row;
-        self.cache = cache;
-        self.bounds_world = bounds_world;
-        if std::mem::take(self.is_entered.get_mut()) {
-            self.entered.refitted.forget();
-            self.entered.posed = OnceLock::new();
-        }
-        if tree != NONE {
-            let way = Way::Posed(tree);
-            self.entered.posed = OnceLock::from(PosedCluster::without_excess(ClusterFrame { bounds_world, way }));
-            *self.is_entered.get_mut() = true;
-        }
+    /// Begins a pose. What was made of it in an earlier one has been [forgotten](Self::forget).
+    pub(super) fn begin(&mut self, row: u32, cache: u32) {
+        (self.row, self.cache) = (row, cache);
     }
 
-    /// Threads that come first at the same time make it each, all the same.
+    /// Forgets what was made of it in a pose.
+    pub(super) fn forget(&mut self) {
+        self.refitted.forget();
+        self.posed = OnceLock::new();
+    }
+
+    /// Takes it to be found by the tree at a place among the instance's, which was built for its pose.
+    pub(super) fn find_by_tree(&mut self, tree: u32, bounds_world: Aabb) {
+        let way = Way::Posed(tree);
+        self.posed = OnceLock::from(PosedCluster::without_excess(ClusterFrame { bounds_world, way }));
+    }
+
+    /// The cluster in its pose, if it was made; else it is made, and `first` called before. Threads that come first at the
+    /// same time make it each, all the same.
     #[inline]
-    pub(super) fn posed(&self, prepared: &Prepared, asset: &Asset, motions: &mut Motions) -> &PosedCluster {
-        if let Some(posed) = self.entered.posed.get() {
+    pub(super) fn posed(
+        &self,
+        first: impl FnOnce(),
+        prepared: &Prepared,
+        asset: &Asset,
+        bounds_world: &Aabb,
+        motions: &mut Motions,
+    ) -> &PosedCluster {
+        if let Some(posed) = self.posed.get() {
             return posed;
         }
-        // Who begins the next pose has the cluster alone, and sees it.
-        self.is_entered.store(true, Relaxed);
-        let posed = self.pose(prepared, asset, motions);
-        self.entered.posed.get_or_init(|| posed)
+        first();
+        let posed = self.pose(prepared, asset, bounds_world, motions);
+        self.posed.get_or_init(|| posed)
     }
 
     /// What rays have made of it.
     pub(crate) fn posed_so_far(&self) -> Option<&PosedCluster> {
-        self.entered.posed.get()
+        self.posed.get()
     }
 
     /// Its tree over posed triangles, if it comes to that. Rays have entered the cluster before.
     #[inline]
     pub(crate) fn refitted(&self) -> &RefittedTree {
-        &self.entered.refitted
+        &self.refitted
     }
 
-    fn pose(&self, prepared: &Prepared, asset: &Asset, motions: &mut Motions) -> PosedCluster {
+    fn pose(&self, prepared: &Prepared, asset: &Asset, bounds_world: &Aabb, motions: &mut Motions) -> PosedCluster {
         let cluster = &asset.model().clusters[self.row as usize];
         let refitted = || ClusterFrame {
-            bounds_world: self.bounds_world,
+            bounds_world: *bounds_world,
             way: Way::Refitted,
         };
         if self.cache != NONE {
-            let frame = self.track_frame(prepared, asset, cluster);
+            let frame = self.track_frame(prepared, asset, cluster, bounds_world);
             return PosedCluster::without_excess(frame.unwrap_or_else(refitted));
         }
         // The baker judged poses without an instance transform; what it left out must not be traced here either.
@@ -142,8 +140,8 @@ impl ClusterState {
             .relative
             .update(bones, cluster.bone, &inverse, &prepared.pose.palette);
         let excess = self.excess(prepared, asset, cluster, motions);
-        let movers = if model.node_movers.is_empty() {
-            MoverMaps::NONE
+        let (movers, posed_error) = if model.node_movers.is_empty() {
+            (MoverMaps::NONE, MoverMaps::UNKNOWN)
         } else {
             // The morphs of a cluster are known with its pose space; most have none.
             let space = asset.pose_spaces().of(model, self.row as usize);
@@ -153,7 +151,7 @@ impl ClusterState {
         };
         PosedCluster {
             frame: self
-                .bone_frame(prepared, asset, cluster, &excess, &movers)
+                .bone_frame(prepared, asset, cluster, bounds_world, &excess, posed_error)
                 .unwrap_or_else(refitted),
             excess,
             movers,
@@ -167,7 +165,7 @@ impl ClusterState {
         };
         let hint = match prepared.stretch {
             Some(stretch) => asset.envelope_hints().of(stretch, self.row),
-            None => &self.entered.nearest_envelope,
+            None => &self.nearest_envelope,
         };
         let mut nearest = hint.load(Relaxed).min(space.envelope_count - 1);
         let mut excess = motions.measure(&space, &prepared.pose.morph_weights, &mut nearest);
@@ -181,8 +179,9 @@ impl ClusterState {
         prepared: &Prepared,
         asset: &Asset,
         cluster: &ClusterRow,
+        bounds_world: &Aabb,
         excess: &Excess,
-        movers: &MoverMaps,
+        posed_error: [f64; 3],
     ) -> Option<ClusterFrame> {
         let transform = Map64::new(&prepared.transform);
         let (palette, posed) = (&prepared.pose.palette, prepared.posed());
@@ -197,13 +196,19 @@ impl ClusterState {
                 posed_reach(&prepared.transform, &palette[bone], &posed[bone], extent)
             }),
             vertex_error: asset.vertex_error(),
-            bounds_world: &self.bounds_world,
+            bounds_world,
             excess: excess.local,
-            posed_error: movers.error,
+            posed_error,
         })
     }
 
-    fn track_frame(&self, prepared: &Prepared, asset: &Asset, cluster: &ClusterRow) -> Option<ClusterFrame> {
+    fn track_frame(
+        &self,
+        prepared: &Prepared,
+        asset: &Asset,
+        cluster: &ClusterRow,
+        bounds_world: &Aabb,
+    ) -> Option<ClusterFrame> {
         let state = &prepared.caches()[self.cache as usize];
         if state.is_cut(asset.model(), cluster.track) {
             return None;
@@ -213,9 +218,9 @@ impl ClusterState {
             bounds_local: &cluster.bounds_local,
             reach: reach(asset.model(), cluster, |track, extent| state.track(track).reach(extent)),
             vertex_error: asset.cache_vertex_error(),
-            bounds_world: &self.bounds_world,
+            bounds_world,
             excess: Excess::NONE.local,
-            posed_error: MoverMaps::NONE.error,
+            posed_error: MoverMaps::UNKNOWN,
         })
     }
 }

@@ -26,7 +26,7 @@ use crate::{
     posed_bounds::morph_extent,
     posed_maps::posed_maps,
     posing::{Demand, PosingLimits},
-    rest_boxes::{ClusterBoxes, cluster_bounds},
+    rest_boxes::{BoneImages, cluster_bounds},
     simd::SimdLevel,
     stats::Count,
     top_level::TopLevel,
@@ -39,6 +39,7 @@ use restpose_formats::{
     ModelView,
     rows::{ClusterRow, NONE},
 };
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// An instance in its pose.
 #[derive(Debug, Default)]
@@ -55,6 +56,10 @@ pub(crate) struct Prepared {
     caches: Vec<CacheState>,
     /// What rays may enter: clusters without a track, then those of each cache's present segment.
     pub clusters: Vec<ClusterState>,
+    /// World boxes of `clusters`: each contains every posed vertex of its own.
+    bounds: Vec<Aabb>,
+    /// A bit for each of `clusters` that holds anything of this pose: where no ray came, a new pose leaves its memory alone.
+    entered: Vec<AtomicU64>,
     /// Over the clusters, by their place in `clusters`.
     pub top_level: TopLevel,
     /// Trees over posed triangles, of clusters in free motion.
@@ -72,7 +77,7 @@ pub(crate) struct Prepared {
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
     evaluator: PoseEvaluator,
-    boxes: ClusterBoxes,
+    bones: BoneImages,
 }
 
 impl Prepared {
@@ -101,8 +106,9 @@ impl Prepared {
             let world = [transform, Map64::new(&self.pose.palette[cache.bone as usize])];
             self.caches[index].update(model, cache, self.pose.cache_frames[index], &world);
         }
-        cluster_bounds(simd, asset, &self.posed, self.morph_extent, &mut scratch.boxes);
-        self.place_clusters(asset, &scratch.boxes.bounds);
+        let bones = &mut scratch.bones;
+        cluster_bounds(simd, asset, &self.posed, self.morph_extent, bones, &mut self.bounds);
+        self.place_clusters(asset);
         pool.scratch.put(scratch);
     }
 
@@ -112,20 +118,14 @@ impl Prepared {
         self.whole.give_back(&pool.wholes);
     }
 
-    /// `without_track` are the world boxes of the clusters without a track.
-    fn place_clusters(&mut self, asset: &Asset, without_track: &[Aabb]) {
+    /// `bounds` are those of the clusters without a track.
+    fn place_clusters(&mut self, asset: &Asset) {
+        self.forget_clusters();
         let model = asset.model();
-        let mut slot = 0;
-        let mut place = |clusters: &mut Vec<ClusterState>, row: u32, cache: u32, bounds: Aabb, tree: u32| {
-            if slot == clusters.len() {
-                clusters.push(ClusterState::new());
-            }
-            clusters[slot].begin(row, cache, bounds, tree);
-            slot += 1;
-        };
-        let mut clusters = std::mem::take(&mut self.clusters);
-        for (row, bounds) in (0..).zip(without_track) {
-            place(&mut clusters, row, NONE, *bounds, NONE);
+        let without_track = self.bounds.len();
+        if self.clusters.len() < without_track {
+            let rows = self.clusters.len() as u32..without_track as u32;
+            self.clusters.extend(rows.map(|row| ClusterState::new(row, NONE)));
         }
         let mut trees = 0;
         for (index, cache) in (0u32..).zip(model.caches) {
@@ -136,25 +136,55 @@ impl Prepared {
             let bone = Map64::new(&self.pose.palette[cache.bone as usize]);
             let bone = PosedMap::product(&[&Map64::new(&self.transform), &bone]);
             for row in segment.cluster_first..segment.cluster_first + segment.cluster_count {
+                let slot = self.bounds.len();
+                if slot == self.clusters.len() {
+                    self.clusters.push(ClusterState::new(row, index));
+                }
+                self.clusters[slot].begin(row, index);
                 let cluster = &model.clusters[row as usize];
                 if model.tracks[cluster.track as usize].key_first == NONE {
                     let tree = self.build_tree(asset, index, cluster, trees);
-                    place(&mut clusters, row, index, self.trees[tree].bounds(), tree as u32);
+                    let bounds = self.trees[tree].bounds();
+                    self.clusters[slot].find_by_tree(tree as u32, bounds);
+                    self.bounds.push(bounds);
+                    self.make_room();
+                    self.set_entered(slot);
                     trees += 1;
                 } else {
                     let bounds = self.caches[index as usize].cluster_bounds(asset, cluster, &bone);
-                    place(&mut clusters, row, index, bounds, NONE);
+                    self.bounds.push(bounds);
                 }
             }
         }
-        clusters.truncate(slot);
-        self.clusters = clusters;
-        let clusters = &self.clusters;
-        let bounds = |slot: u32| clusters[slot as usize].bounds_world;
+        let count = self.bounds.len();
+        self.clusters.truncate(count);
+        self.make_room();
+        let bounds = |slot: u32| self.bounds[slot as usize];
         if model.caches.is_empty() {
             self.top_level.refit(asset.top_level(), bounds);
         } else {
-            self.top_level.rebuild(0..clusters.len() as u32, bounds);
+            self.top_level.rebuild(0..count as u32, bounds);
+        }
+    }
+
+    /// A bit for each cluster.
+    fn make_room(&mut self) {
+        let words = self.bounds.len().div_ceil(u64::BITS as usize);
+        self.entered.resize_with(words, AtomicU64::default);
+    }
+
+    fn set_entered(&self, slot: usize) {
+        self.entered[slot / u64::BITS as usize].fetch_or(1 << (slot % u64::BITS as usize), Relaxed);
+    }
+
+    fn forget_clusters(&mut self) {
+        for (word, entered) in self.entered.iter_mut().enumerate() {
+            let mut mask = std::mem::take(entered.get_mut());
+            while mask != 0 {
+                let slot = word * u64::BITS as usize + mask.trailing_zeros() as usize;
+                mask &= mask - 1;
+                self.clusters[slot].forget();
+            }
         }
     }
 
@@ -185,8 +215,11 @@ impl Prepared {
 
     /// A cluster with its frame.
     pub(crate) fn cluster(&self, asset: &Asset, slot: u32, motions: &mut Motions) -> (&ClusterState, &PosedCluster) {
-        let state = &self.clusters[slot as usize];
-        (state, state.posed(self, asset, motions))
+        let slot = slot as usize;
+        let state = &self.clusters[slot];
+        // Who begins the next pose has the clusters alone, and sees which hold anything.
+        let first = || self.set_entered(slot);
+        (state, state.posed(first, self, asset, &self.bounds[slot], motions))
     }
 
     /// Does what the rays that came are worth, for so many that enter now. Where that is not the whole, they are to be

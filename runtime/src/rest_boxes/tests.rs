@@ -56,20 +56,21 @@ fn boxes_hold_images_of_corners() {
             .collect();
         let grown = [[0.0; 3], [0.0, 0.5 * size, size]][round % 2];
         let error = f32_above(IMAGE_ERROR);
-        let mut found = ClusterBoxes::default();
-        cluster_bounds_with(Portable, &boxes, &posed, grown, error, &mut found);
+        let mut memory = BoneImages::default();
+        let mut found = Vec::new();
+        cluster_bounds_with(Portable, &boxes, &posed, grown, error, &mut memory, &mut found);
         let all = images(SimdLevel::Portable, &boxes, &posed, grown.map(f64::from));
         #[cfg(target_arch = "x86_64")]
         if let Some(simd) = Avx2::new() {
-            let mut other = ClusterBoxes::default();
-            cluster_bounds_with(simd, &boxes, &posed, grown, error, &mut other);
-            let both = found.bounds.iter().zip(&other.bounds);
+            let mut other = Vec::new();
+            cluster_bounds_with(simd, &boxes, &posed, grown, error, &mut memory, &mut other);
+            let both = found.iter().zip(&other);
             assert!(both.clone().all(|(a, b)| bits(a) == bits(b)), "round {round}");
             let other = images(SimdLevel::Avx2, &boxes, &posed, grown.map(f64::from));
             assert_eq!(bits(&all.bounds), bits(&other.bounds));
             assert_eq!((all.reach, all.rest_reach), (other.reach, other.rest_reach));
         }
-        for (rows, bounds) in boxes.of_clusters.iter().zip(&found.bounds) {
+        for (rows, bounds) in boxes.of_clusters.iter().zip(&found) {
             everywhere += u32::from(*bounds == EVERYWHERE);
             for (rest, place) in &boxes.rows[rows.clone()] {
                 let x = posed[*place as usize].columns.map(|column| column.map(f64::from));

@@ -42,6 +42,7 @@ struct Posed {
     palette: Vec<Affine>,
     inverse: [[f64; 3]; 3],
     maps: MoverMaps,
+    error: [f64; 3],
     node: WideNodeRow,
     movers: Vec<NodeMoverRow>,
 }
@@ -197,7 +198,7 @@ impl Posed {
         }
         let mut relative = RelativeMotions::default();
         relative.update(&cluster_bones, own, &inverse, &palette);
-        let maps = MoverMaps::new(&lattice, &relative, morph_extent);
+        let (maps, error) = MoverMaps::new(&lattice, &relative, morph_extent);
         Self {
             places,
             lattice,
@@ -206,6 +207,7 @@ impl Posed {
             palette,
             inverse,
             maps,
+            error,
             node,
             movers: rows,
         }
@@ -305,7 +307,7 @@ fn boxes_that_follow_contain_fuzzy_positions() {
         for (place, vertex) in (0..8).flat_map(|place| posed.places[place].iter().map(move |vertex| (place, vertex))) {
             let (position, bound) = posed.fuzzy_position(vertex);
             for k in 0..3 {
-                let error = posed.maps.error[k];
+                let error = posed.error[k];
                 if !error.is_finite() {
                     found.left_out += 1;
                     continue;

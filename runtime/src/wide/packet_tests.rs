@@ -122,7 +122,7 @@ fn together(level: SimdLevel, world: &World, rays: &[Ray], any: bool) -> (Vec<Be
     let mut left = Vec::new();
     packet.load(level, rays);
     let enter = |bundled: &mut Bundled| {
-        let Some(wide) = bundled.in_world(&world.bounds) else {
+        let Some(wide) = bundled.in_world(&world.nodes) else {
             left.extend(bundled.groups().flat_map(|group| group * GROUP..(group + 1) * GROUP));
             return;
         };
@@ -215,7 +215,7 @@ fn bundles_visit_what_each_ray_visits_alone() {
             let mut out = Vec::new();
             let enter = |bundled: &mut Bundled| {
                 let mut leaves = Vec::new();
-                let wide = bundled.in_world(&world.bounds).unwrap();
+                let wide = bundled.in_world(&world.nodes).unwrap();
                 let mut visit = |leaf: u32, _: &mut Bundled, (): &mut ()| {
                     leaves.push(leaf);
                     false
