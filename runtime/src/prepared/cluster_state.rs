@@ -5,6 +5,7 @@ use crate::{
     excess::{Excess, Motions},
     mover_maps::MoverMaps,
     refitted_tree::RefittedTree,
+    simd::prefetch,
     vertex::reach,
 };
 use restpose_formats::rows::{ClusterRow, NONE};
@@ -105,6 +106,7 @@ impl ClusterState {
             return posed;
         }
         first();
+        prefetch(std::slice::from_ref(&self.posed));
         let posed = self.pose(prepared, asset, bounds_world, motions);
         self.posed.get_or_init(|| posed)
     }
