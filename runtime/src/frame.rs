@@ -3,7 +3,7 @@ use crate::{
     cluster_frame::Way,
     excess::Motions,
     instance::Instance,
-    trace::{Answer, RayOrder, TraceContext, trace, trace_together},
+    trace::{Answer, RayOrder, TraceContext, trace, trace_among, trace_together},
 };
 
 /// Rays of a batch that one task traces.
@@ -54,21 +54,31 @@ impl Frame<'_> {
         TraceContext::with(|context| trace::<false>(self.scene, ray, 0.0, context, counters))
     }
 
+    /// [`Frame::closest_hit`] among the instances for which `accept` is true: a shot passes through who fires it.
+    #[must_use]
+    pub fn closest_hit_among(&self, ray: &Ray, accept: impl Fn(InstanceId) -> bool) -> Option<Hit> {
+        TraceContext::with(|context| trace_among::<false>(self.scene, ray, 0.0, &accept, context, &mut ()))
+    }
+
+    /// [`Frame::any_hit`] among the instances for which `accept` is true.
+    #[must_use]
+    pub fn any_hit_among(&self, ray: &Ray, accept: impl Fn(InstanceId) -> bool) -> bool {
+        TraceContext::with(|context| trace_among::<true>(self.scene, ray, 0.0, &accept, context, &mut ())).is_some()
+    }
+
     /// [`Frame::closest_hit`] at a time of the interval in which instances move ([`Scene::set_motion`]): 0 is its begin, 1 its
     /// end, times outside of it count as these. A NaN hits nothing.
     ///
     /// Guarantee: the hit is that of a frame in which each instance has the state that [`Frame::state_at`] tells.
     #[must_use]
     pub fn closest_hit_at(&self, ray: &Ray, time: f32) -> Option<Hit> {
-        TraceContext::with(|context| self.closest_at(ray, time, context))
+        TraceContext::with(|context| self.at::<Option<Hit>>(ray, time, context))
     }
 
     /// [`Frame::any_hit`] at a time, as [`Frame::closest_hit_at`].
     #[must_use]
     pub fn any_hit_at(&self, ray: &Ray, time: f32) -> bool {
-        !time.is_nan()
-            && TraceContext::with(|context| trace::<true>(self.scene, ray, time.clamp(0.0, 1.0), context, &mut ()))
-                .is_some()
+        TraceContext::with(|context| self.at::<bool>(ray, time, context))
     }
 
     /// [`Frame::closest_hit_at`] of many rays, each with its time, on all cores (feature `parallel`). Fastest where rays of
@@ -77,19 +87,31 @@ impl Frame<'_> {
     /// # Panics
     /// When the slices differ in length.
     pub fn closest_hits_at(&self, rays: &[Ray], times: &[f32], hits: &mut [Option<Hit>]) {
+        self.batch_at(rays, times, hits);
+    }
+
+    /// [`Frame::any_hit_at`] of many rays, as [`Frame::closest_hits_at`].
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    pub fn any_hits_at(&self, rays: &[Ray], times: &[f32], occluded: &mut [bool]) {
+        self.batch_at(rays, times, occluded);
+    }
+
+    fn batch_at<A: Answer>(&self, rays: &[Ray], times: &[f32], answers: &mut [A]) {
         assert_eq!(rays.len(), times.len(), "one time per ray");
-        self.in_tasks(rays.len(), hits, |first, hits, context| {
-            for (at, hit) in (first..).zip(hits) {
-                *hit = self.closest_at(&rays[at], times[at], context);
+        self.in_tasks(rays.len(), answers, |first, answers, context| {
+            for (at, answer) in (first..).zip(answers) {
+                *answer = self.at(&rays[at], times[at], context);
             }
         });
     }
 
-    fn closest_at(&self, ray: &Ray, time: f32, context: &mut TraceContext) -> Option<Hit> {
+    fn at<A: Answer>(&self, ray: &Ray, time: f32, context: &mut TraceContext) -> A {
         if time.is_nan() {
-            return None;
+            return A::of(None);
         }
-        trace::<false>(self.scene, ray, time.clamp(0.0, 1.0), context, &mut ())
+        A::of(A::find(self.scene, ray, time.clamp(0.0, 1.0), context))
     }
 
     /// The state of an instance at a time of the interval in which it moves.
@@ -136,12 +158,7 @@ impl Frame<'_> {
                 let (places, hits) = order.split();
                 self.in_tasks(places.len(), hits, |first, hits, context| {
                     for (place, hit) in places[first..].iter().zip(hits) {
-                        let ray = &rays[*place as u32 as usize];
-                        *hit = if A::ANY {
-                            trace::<true>(self.scene, ray, 0.0, context, &mut ())
-                        } else {
-                            trace::<false>(self.scene, ray, 0.0, context, &mut ())
-                        };
+                        *hit = A::find(self.scene, &rays[*place as u32 as usize], 0.0, context);
                     }
                 });
                 for (place, hit) in places.iter().zip(hits) {
@@ -196,13 +213,27 @@ impl Frame<'_> {
         self.scene.occupied().for_each(|(_, instance)| one(instance));
     }
 
-    /// What was hit, in the source's words; of a hit at a time, where the instance is at the begin of its motion.
+    /// What was hit, in the source's words; of a hit at a time see [`Frame::surface_at`].
     ///
     /// # Errors
     /// [`PoseError::UnknownInstance`] for a hit whose instance was removed since, [`PoseError::UnknownTriangle`] for a triangle
     /// that the instance does not have. A hit of another scene may name an instance that this one has, too.
     pub fn surface(&self, hit: &Hit) -> Result<SurfacePoint, PoseError> {
-        SurfacePoint::new(hit, self.scene.instance(hit.instance)?)
+        self.surface_at(hit, 0.0)
+    }
+
+    /// What was hit at a time of the interval in which instances move, where it was then. A NaN counts as the begin.
+    ///
+    /// # Errors
+    /// As [`Frame::surface`].
+    pub fn surface_at(&self, hit: &Hit, time: f32) -> Result<SurfacePoint, PoseError> {
+        SurfacePoint::new(hit, self.scene.instance(hit.instance)?, |instance, cache, triangle| {
+            let model = instance.asset().model();
+            TraceContext::with(|context| {
+                let prepared = context.prepared_at(self.scene, hit.instance, instance, time.clamp(0.0, 1.0));
+                prepared.recomputed_triangle(model, cache, triangle)
+            })
+        })
     }
 
     /// A posed vertex in world space, by vertex row; `None` when there is no such instance or vertex.

@@ -49,6 +49,7 @@
 
 mod asset;
 mod asset_instance;
+mod atomic;
 mod box_tree;
 pub mod build;
 mod cache;
@@ -84,6 +85,8 @@ mod trace;
 pub mod triangle;
 mod vertex;
 mod vertex_memo;
+#[cfg(test)]
+mod vertex_memo_tests;
 mod whole_pose;
 mod wide;
 

@@ -1,5 +1,7 @@
-use crate::{Hit, PoseError, asset_instance::AssetInstance, geometry_instance::GeometryInstance, instance::Instance};
-use restpose_formats::rows::NONE;
+use crate::{
+    Asset, Hit, PoseError, asset_instance::AssetInstance, geometry_instance::GeometryInstance, instance::Instance,
+};
+use restpose_formats::{ModelView, rows::NONE};
 
 /// What was hit, in the source's words.
 ///
@@ -30,8 +32,13 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
-    /// Weights and normal in `f64`, rounded once.
-    pub(crate) fn new(hit: &Hit, instance: &Instance) -> Result<Self, PoseError> {
+    /// Weights and normal in `f64`, rounded once. `pose` tells the corners of a triangle of an asset's instance, by the row of
+    /// its cache and its own.
+    pub(crate) fn new(
+        hit: &Hit,
+        instance: &Instance,
+        pose: impl FnOnce(&AssetInstance, u32, u32) -> [[f32; 3]; 3],
+    ) -> Result<Self, PoseError> {
         let count = match instance {
             Instance::Asset(instance) => instance.asset().model().triangles.len(),
             Instance::Geometry(instance) => instance.triangles().len(),
@@ -43,7 +50,10 @@ impl SurfacePoint {
             });
         }
         Ok(match instance {
-            Instance::Asset(instance) => Self::of_asset(hit, instance),
+            Instance::Asset(instance) => {
+                let cache = instance.asset().cache_of_triangle(hit.triangle);
+                Self::of_asset(hit, instance.asset(), pose(instance, cache, hit.triangle))
+            }
             Instance::Geometry(instance) => Self::of_geometry(hit, instance),
         })
     }
@@ -64,11 +74,8 @@ impl SurfacePoint {
         }
     }
 
-    fn of_asset(hit: &Hit, instance: &AssetInstance) -> Self {
-        let asset = instance.asset();
+    fn of_asset(hit: &Hit, asset: &Asset, corners: [[f32; 3]; 3]) -> Self {
         let model = asset.model();
-        let cache = asset.cache_of_triangle(hit.triangle);
-        let corners = instance.prepared().recomputed_triangle(model, cache, hit.triangle);
         let part = model
             .parts
             .partition_point(|part| part.triangle_first <= hit.triangle)
@@ -89,7 +96,7 @@ impl SurfacePoint {
             source_mesh: part_row.source_mesh,
             source_primitive: primitive_row.source_primitive,
             source_triangle: hit.triangle - primitive_row.triangle_first,
-            bone: dominant_bone(instance, rows, weights(hit)),
+            bone: dominant_bone(model, rows, weights(hit)),
             position_world: blend(weights(hit), corners),
             position_rest: blend(weights(hit), rows.map(|row| model.vertices[row].position_rest)),
             normal_world: normal(corners),
@@ -108,8 +115,7 @@ fn blend(weights: [f64; 3], points: [[f32; 3]; 3]) -> [f32; 3] {
 }
 
 /// The bone with the greatest weight at the point. Quadratic in the influences of three vertices, which are few.
-fn dominant_bone(instance: &AssetInstance, rows: [usize; 3], weights: [f64; 3]) -> u32 {
-    let model = instance.asset().model();
+fn dominant_bone(model: &ModelView, rows: [usize; 3], weights: [f64; 3]) -> u32 {
     let weight_of = |bone: u32| -> f64 {
         (0..3)
             .flat_map(|i| model.influences_of(rows[i]).iter().map(move |influence| (i, influence)))

@@ -256,12 +256,26 @@ fn rays_at_a_time_meet_the_state_of_that_time() {
                     let rays: Vec<Ray> = Rays::new(&oracle, round).take(60).collect();
                     let mut together = vec![None; rays.len()];
                     frame.closest_hits_at(&rays, &vec![time; rays.len()], &mut together);
-                    for (ray, together) in rays.iter().zip(together) {
+                    let mut any = vec![false; rays.len()];
+                    frame.any_hits_at(&rays, &vec![time; rays.len()], &mut any);
+                    for ((ray, together), any) in rays.iter().zip(together).zip(any) {
                         let expected = oracle.closest_hit(ray);
                         let hit = frame.closest_hit_at(ray, time);
                         assert_eq!(hit, expected, "{name}, time {time}: {ray:?}");
                         assert_eq!(together, expected, "{name}, time {time}: {ray:?}");
                         assert_eq!(frame.any_hit_at(ray, time), expected.is_some());
+                        assert_eq!(any, expected.is_some());
+                        if let Some(hit) = &hit {
+                            let surface = frame.surface_at(hit, time).unwrap();
+                            let place = twins[usize::from(hit.instance != instances[0])];
+                            let still = still
+                                .surface(&Hit {
+                                    instance: place,
+                                    ..*hit
+                                })
+                                .unwrap();
+                            assert_eq!(surface, still, "{name}, time {time}: {ray:?}");
+                        }
                         hits += u64::from(hit.is_some());
                     }
                 }
@@ -300,4 +314,41 @@ fn two_scenes_in_two_threads_do_not_meet() {
         scope.spawn(|| run(1));
         scope.spawn(|| run(1000));
     });
+}
+
+/// Rays among some instances hit what they would if there were no others.
+#[test]
+fn rays_among_some_instances_pass_through_the_others() {
+    let asset = asset("walker", TreeKind::Wide);
+    let mut scene = Scene::new();
+    let instances: Vec<InstanceId> = (0..12).map(|_| scene.add(&asset)).collect();
+    let ground = scene.add_geometry();
+    let corners = [[-9.0, 0.7, -9.0], [9.0, 0.7, -9.0], [0.0, 0.8, 9.0]];
+    scene.set_geometry(ground, &corners, &[[0, 1, 2]]).unwrap();
+    for (at, instance) in (0..).zip(&instances) {
+        let place = Affine::from_translation([(at % 4) as f32 * 0.4, 0.0, (at / 4) as f32 * 0.3]);
+        scene.set_transform(*instance, place).unwrap();
+        scene.play(*instance, 0, at as f32 * 0.21).unwrap();
+    }
+    let frame = scene.commit();
+    let oracle = Oracle::new(&frame, &instances);
+    let rays: Vec<Ray> = Rays::new(&oracle, 5).take(600).collect();
+    let accepted = |id: InstanceId| id == ground || id.index() % 3 == 1;
+    let hits: Vec<_> = rays.iter().map(|ray| frame.closest_hit_among(ray, accepted)).collect();
+    let any: Vec<_> = rays.iter().map(|ray| frame.any_hit_among(ray, accepted)).collect();
+    let all: Vec<_> = rays.iter().map(|ray| frame.closest_hit(ray)).collect();
+    assert!(rays.iter().all(|ray| frame.closest_hit_among(ray, |_| false).is_none()));
+    for instance in instances.iter().filter(|id| !accepted(**id)) {
+        scene.remove(*instance).unwrap();
+    }
+    let frame = scene.commit();
+    for (at, ray) in rays.iter().enumerate() {
+        assert_eq!(hits[at], frame.closest_hit(ray), "{ray:?}");
+        assert_eq!(any[at], hits[at].is_some(), "{ray:?}");
+    }
+    let (found, passed) = (
+        hits.iter().flatten().count(),
+        hits.iter().zip(&all).filter(|(a, b)| a != b).count(),
+    );
+    assert!(found > 100 && passed > 100, "{found} {passed}");
 }

@@ -1,4 +1,4 @@
-use super::{InstanceContext, TraceContext, context::PacketContext, enter_instance, traveller::Traveller};
+use super::{InstanceContext, TraceContext, context::PacketContext, enter_instance, trace, traveller::Traveller};
 use crate::{
     Hit, InstanceId, Ray,
     asset_instance::AssetInstance,
@@ -15,11 +15,20 @@ const _: () = assert!(PACKET == u64::BITS as usize);
 /// seemed from the outside, as where all of a scene's triangles are in one corner.
 const TRIANGLES_PER_RAY: usize = 8;
 
-/// What a batch asks of each ray.
-pub(crate) trait Answer: Send {
+/// What is asked of a ray.
+pub(crate) trait Answer: Send + Sized {
     /// Any hit will do.
     const ANY: bool;
     fn of(hit: Option<Hit>) -> Self;
+
+    /// The hit of a ray that goes alone; see [`trace`].
+    fn find(scene: &Scene, ray: &Ray, time: f32, context: &mut TraceContext) -> Option<Hit> {
+        if Self::ANY {
+            trace::<true>(scene, ray, time, context, &mut ())
+        } else {
+            trace::<false>(scene, ray, time, context, &mut ())
+        }
+    }
 }
 
 impl Answer for Option<Hit> {
@@ -40,7 +49,7 @@ impl Answer for bool {
 /// the tree over instances and those of whole instances. `leave` is told of the others: the place of the first of up to 64,
 /// and a bit for each that must go alone.
 ///
-/// Guarantee: the answers of [`trace`](super::trace).
+/// Guarantee: the answers of [`trace`].
 pub(crate) fn trace_together<A: Answer>(
     scene: &Scene,
     rays: &[Ray],

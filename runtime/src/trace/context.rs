@@ -4,7 +4,11 @@ use super::{
     walk::{EMPTY_LEVEL, Level},
 };
 use crate::{
+    InstanceId,
+    asset_instance::AssetInstance,
     excess::Motions,
+    prepared::Prepared,
+    scene::Scene,
     wide::{PACKET, Packet, WideStack},
 };
 use std::cell::RefCell;
@@ -53,6 +57,17 @@ impl TraceContext {
                 travellers: vec![None; PACKET],
             },
         }
+    }
+
+    /// What rays need of an instance at a time of the scene's interval.
+    pub(crate) fn prepared_at<'a>(
+        &'a mut self,
+        scene: &Scene,
+        id: InstanceId,
+        instance: &'a AssetInstance,
+        time: f32,
+    ) -> &'a Prepared {
+        self.instance.moments.prepared_at(scene, id.index, instance, time)
     }
 
     /// Runs `trace` with the thread's own.

@@ -49,6 +49,18 @@ pub(crate) fn trace<const ANY: bool>(
     context: &mut TraceContext,
     counters: &mut impl Count,
 ) -> Option<Hit> {
+    trace_among::<ANY>(scene, ray, time, &|_| true, context, counters)
+}
+
+/// As [`trace`], among the instances for which `accept` is true.
+pub(crate) fn trace_among<const ANY: bool>(
+    scene: &Scene,
+    ray: &Ray,
+    time: f32,
+    accept: &impl Fn(InstanceId) -> bool,
+    context: &mut TraceContext,
+    counters: &mut impl Count,
+) -> Option<Hit> {
     counters.ray();
     let (mut traveller, start) = Traveller::new(ray)?;
     let bounds = scene.top_level.bounds();
@@ -67,7 +79,7 @@ pub(crate) fn trace<const ANY: bool>(
         stack,
         counters,
         &mut |index, traveller, counters| {
-            enter_instance::<ANY>(scene, index, time, start, traveller, instance, counters)
+            accept(scene.id(index)) && enter_instance::<ANY>(scene, index, time, start, traveller, instance, counters)
         },
     );
     traveller.best
@@ -104,11 +116,7 @@ fn enter_instance<const ANY: bool>(
             let actor = Actor {
                 id,
                 asset: instance.asset(),
-                prepared: if time > 0.0 && instance.is_moving() {
-                    moments.at(scene.commit, index, instance, time)
-                } else {
-                    instance.prepared()
-                },
+                prepared: moments.prepared_at(scene, index, instance, time),
                 simd: scene.simd,
             };
             match actor.prepared.enter(instance.pool(), 1) {

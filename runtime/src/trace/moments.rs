@@ -1,6 +1,7 @@
 use crate::{
     asset_instance::AssetInstance,
     prepared::{Prepared, PreparedPool},
+    scene::Scene,
 };
 use std::{
     collections::{HashMap, hash_map::Entry},
@@ -25,8 +26,24 @@ struct Moment {
 }
 
 impl Moments {
+    /// What rays need of an instance at a time of the scene's interval.
+    #[inline]
+    pub(super) fn prepared_at<'a>(
+        &'a mut self,
+        scene: &Scene,
+        index: u32,
+        instance: &'a AssetInstance,
+        time: f32,
+    ) -> &'a Prepared {
+        if time > 0.0 && instance.is_moving() {
+            self.at(scene.commit, index, instance, time)
+        } else {
+            instance.prepared()
+        }
+    }
+
     /// An instance at a time, where it moves in the interval of the commit.
-    pub(super) fn at(&mut self, commit: u64, index: u32, instance: &AssetInstance, time: f32) -> &Prepared {
+    fn at(&mut self, commit: u64, index: u32, instance: &AssetInstance, time: f32) -> &Prepared {
         if std::mem::replace(&mut self.commit, commit) != commit {
             for (_, moment) in self.all.drain() {
                 if let Some(pool) = moment.pool.upgrade() {
