@@ -17,10 +17,12 @@ mod collapse;
 mod fuzzy_ray;
 #[cfg(test)]
 mod fuzzy_ray_tests;
+mod group_bundles;
 mod node;
 mod packet;
 #[cfg(test)]
 mod packet_tests;
+mod packet_walk;
 mod ray;
 mod ray_group;
 mod refit;
@@ -32,9 +34,10 @@ mod walk;
 pub(crate) use collapse::collapse;
 pub(crate) use fuzzy_ray::FuzzyRay;
 pub(crate) use node::{WideNode, append_rows};
-pub(crate) use packet::{Bundled, PACKET, Packet};
+pub(crate) use packet::{Bundled, PACKET, Packet, set_bits};
+pub(crate) use packet_walk::{PacketStack, Part, walk_together};
 pub(crate) use ray::WideRay;
-pub(crate) use ray_group::GROUP;
+pub(crate) use ray_group::{GROUP, GroupHits};
 pub(crate) use refit::{refit, refit_triangles};
 pub(crate) use stack::WideStack;
 pub(crate) use walk::{Limited, walk};
