@@ -211,7 +211,7 @@ impl Bundle<'_> {
             }
         }
         if cut != 0 {
-            bundled.shorten(cut);
+            bundled.shorten(self.scene.simd, cut);
         }
     }
 
@@ -294,7 +294,7 @@ impl Bundle<'_> {
             }
         }
         if cut != 0 {
-            bundled.shorten(cut);
+            bundled.shorten(self.scene.simd, cut);
         }
     }
 }

@@ -63,7 +63,7 @@ impl Packet {
         let usable = self.load(level, rays);
         let all = 0..rays.len().div_ceil(GROUP);
         if let (Some(bundle), true) = (bundle, usable == (1 << all.end) - 1) {
-            together(&mut Bundled::new(self, all, bundle));
+            together(&mut Bundled::new(level, self, all, bundle));
             return;
         }
         for (half, rays) in rays.chunks(PACKET / 2).enumerate() {
@@ -71,7 +71,7 @@ impl Packet {
             let groups = first..first + rays.len().div_ceil(GROUP);
             let own = (1 << groups.end) - (1 << groups.start);
             match RayBundle::around(level, rays) {
-                Some(bundle) if usable & own == own => together(&mut Bundled::new(self, groups, bundle)),
+                Some(bundle) if usable & own == own => together(&mut Bundled::new(level, self, groups, bundle)),
                 _ => alone(first * GROUP..first * GROUP + rays.len()),
             }
         }
@@ -127,7 +127,7 @@ pub(crate) struct Together {
 }
 
 impl<'a> Bundled<'a> {
-    fn new(packet: &'a mut Packet, groups: Range<usize>, bundle: RayBundle) -> Self {
+    fn new(level: SimdLevel, packet: &'a mut Packet, groups: Range<usize>, bundle: RayBundle) -> Self {
         packet.limits = [f32::NEG_INFINITY; GROUPS];
         let mut out = Self {
             packet,
@@ -135,7 +135,7 @@ impl<'a> Bundled<'a> {
             bundle,
             limit: f32::NEG_INFINITY,
         };
-        out.shorten(out.groups);
+        out.shorten(level, out.groups);
         out
     }
 
@@ -239,19 +239,39 @@ impl<'a> Bundled<'a> {
     }
 
     /// Makes what was cut in these groups count.
-    pub(crate) fn shorten(&mut self, groups: u32) {
-        let greater = |a: f32, b: f32| if a > b { a } else { b };
-        // Pairs first, so that no comparison waits for the one before it.
-        let greatest = |eight: &[f32; 8]| {
-            let four: [f32; 4] = std::array::from_fn(|k| greater(eight[k], eight[k + 4]));
-            greater(greater(four[0], four[2]), greater(four[1], four[3]))
-        };
-        for group in set_bits(groups.into()) {
-            let limit = greatest(self.packet.groups[group].limits());
-            let ended = limit == f32::NEG_INFINITY;
-            self.packet.limits[group] = if ended { limit } else { limit.next_up() };
+    pub(crate) fn shorten(&mut self, level: SimdLevel, groups: u32) {
+        #[inline(always)]
+        fn greatest<S: Lanes>(simd: S, eight: &[f32; 8]) -> f32 {
+            let [a, b] = simd.halves(simd.load8(eight));
+            let four = simd.max4(a, b);
+            let two = simd.max4(four, simd.rotate4(simd.rotate4(four)));
+            simd.store4(simd.max4(two, simd.rotate4(two)))[0]
         }
-        self.limit = greatest(&self.packet.limits);
+        #[inline(always)]
+        fn body<S: Lanes>(simd: S, packet: &mut Packet, mut groups: u32) -> f32 {
+            while groups != 0 {
+                let group = groups.trailing_zeros() as usize % GROUPS;
+                groups &= groups - 1;
+                let limit = greatest(simd, packet.groups[group].limits());
+                let ended = limit == f32::NEG_INFINITY;
+                packet.limits[group] = if ended { limit } else { limit.next_up() };
+            }
+            greatest(simd, &packet.limits)
+        }
+        #[cfg(target_arch = "x86_64")]
+        if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {
+            #[target_feature(enable = "avx2,popcnt")]
+            fn compiled(simd: Avx2, packet: &mut Packet, groups: u32) -> f32 {
+                body(simd, packet, groups)
+            }
+            #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
+            // SAFETY: an `Avx2` exists only on machines that have both features.
+            unsafe {
+                self.limit = compiled(simd, self.packet, groups);
+            }
+            return;
+        }
+        self.limit = body(Portable, self.packet, groups);
     }
 
     /// True when none of its rays looks for anything any more.

@@ -184,7 +184,7 @@ fn together(level: SimdLevel, world: &World, rays: &[Ray], any: bool, ways: &mut
                     for place in set_bits(found) {
                         cut(bundled, place, hits[place / GROUP].t[place % GROUP], leaf);
                     }
-                    bundled.shorten(groups);
+                    bundled.shorten(level, groups);
                 }
                 Part::Alone { node, places } => {
                     for place in set_bits(places) {
@@ -196,7 +196,7 @@ fn together(level: SimdLevel, world: &World, rays: &[Ray], any: bool, ways: &mut
                             }
                         }
                     }
-                    bundled.shorten(0xff);
+                    bundled.shorten(level, 0xff);
                 }
             }
             bundled.is_over()
@@ -424,7 +424,7 @@ fn only_rays_that_look_for_something_count() {
         for place in 0..11 {
             assert!(!bundled.is_over());
             bundled.cut(place, f32::NEG_INFINITY);
-            bundled.shorten(0b11);
+            bundled.shorten(LEVELS[place % 2](), 0b11);
         }
         assert!(bundled.is_over());
     };

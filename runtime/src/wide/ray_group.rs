@@ -149,24 +149,26 @@ impl RayGroup {
         if undecided == 0 {
             return 0;
         }
-        let direction_z = simd.halves(simd.load8(&self.rows[3 + z]));
-        let mut found = [[simd.splat4(0.0); 2]; 3];
-        let mut weighted = 0;
-        for half in 0..2 {
-            if undecided >> (4 * half) & 0xf == 0 {
-                continue;
-            }
-            let corners = [widen(simd, a, half), widen(simd, b, half), widen(simd, c, half)];
-            let (own, hit) = decide(simd, corners, simd.to_f64(direction_z[half]));
-            weighted |= own << (4 * half);
-            for row in 0..3 {
-                found[row][half] = hit[row];
-            }
-        }
-        let t = simd.join(found[0][0], found[0][1]);
+        let [low_z, high_z] = simd.halves(simd.load8(&self.rows[3 + z]));
+        let none = (0, [simd.splat4(0.0); 3]);
+        // Most often neighbours agree, and one half has nothing to decide.
+        let (low, low_hits) = if undecided & 0xf == 0 {
+            none
+        } else {
+            let corners = [widen(simd, a, 0), widen(simd, b, 0), widen(simd, c, 0)];
+            decide(simd, corners, simd.to_f64(low_z))
+        };
+        let (high, high_hits) = if undecided & 0xf0 == 0 {
+            none
+        } else {
+            let corners = [widen(simd, a, 1), widen(simd, b, 1), widen(simd, c, 1)];
+            decide(simd, corners, simd.to_f64(high_z))
+        };
+        let weighted = low | high << 4;
+        let t = simd.join(low_hits[0], high_hits[0]);
         simd.store8(t, &mut hits.t);
-        simd.store8(simd.join(found[1][0], found[1][1]), &mut hits.u);
-        simd.store8(simd.join(found[2][0], found[2][1]), &mut hits.v);
+        simd.store8(simd.join(low_hits[1], high_hits[1]), &mut hits.u);
+        simd.store8(simd.join(low_hits[2], high_hits[2]), &mut hits.v);
         let (start, end) = (simd.load8(&self.rows[6]), simd.load8(&self.rows[7]));
         let finite = simd.lt8(simd.abs8(t), simd.splat8(f32::INFINITY));
         weighted & undecided & finite & simd.le8(start, t) & simd.le8(t, end)
