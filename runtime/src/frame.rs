@@ -116,7 +116,7 @@ impl Frame<'_> {
 
     fn batch<A: Answer>(&self, rays: &[Ray], answers: &mut [A]) {
         self.in_tasks(rays.len(), answers, |first, answers, context| {
-            trace_batch(self.scene, &rays[first..][..answers.len()], answers, context);
+            trace_batch(self.scene, &rays[first..], answers, context);
         });
     }
 

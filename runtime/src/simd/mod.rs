@@ -11,6 +11,7 @@
 mod avx2;
 mod lanes;
 mod portable;
+mod prefetch;
 #[cfg(test)]
 mod tests;
 
@@ -18,6 +19,7 @@ mod tests;
 pub(crate) use avx2::Avx2;
 pub(crate) use lanes::Lanes;
 pub(crate) use portable::Portable;
+pub(crate) use prefetch::prefetch;
 
 /// Which instructions a kernel uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
