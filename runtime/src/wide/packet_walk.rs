@@ -195,3 +195,20 @@ fn box_of(node: &WideNode, place: usize) -> Aabb {
         max: corner(&node.planes[1]),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_in_their_groups() {
+        let mut random = fastrand::Rng::with_seed(35);
+        for _ in 0..10_000 {
+            let places = (0..random.usize(..6)).fold(0u64, |places, _| places | 1 << random.u32(..64));
+            let expected = (0..64).filter(|place| places >> place & 1 == 1);
+            let expected = expected.fold(0, |groups, place| groups | 1 << (place / GROUP));
+            assert_eq!(groups_of(places), expected, "{places:x}");
+        }
+        assert_eq!((groups_of(0), groups_of(u64::MAX)), (0, 0xff));
+    }
+}
