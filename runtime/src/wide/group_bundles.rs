@@ -58,7 +58,8 @@ impl GroupBundles {
     }
 }
 
-/// [`GroupBundles`] ready for a tree: [`WideBundle`] for each group, with the margin of all.
+/// [`GroupBundles`] ready for a tree: a [`WideBundle`] for each group, with the margin of the bundle that they make together,
+/// which reaches that of each of them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WideGroups {
     near: [[f32; GROUP]; 3],

@@ -5,11 +5,13 @@
 //! two lattices in its local space ([`FuzzyRay`]). [`refit`] gives a tree the boxes of this frame, [`append_rows`] takes the topology of a file's
 //! tree, [`collapse`] makes a wide tree of a binary one.
 //!
-//! Coherent rays go through trees in world space together: a [`Packet`] parts them into bundles that [`walk`] takes like a
-//! single ray.
+//! Coherent rays go through trees in world space together: a [`Packet`] makes a bundle of them, which [`walk_together`] takes
+//! down a tree as long as more than a few of them go the same way; leaves and nodes below which few go on it leaves to its
+//! caller.
 //!
 //! Based on: Wald et al., *Interactive Rendering with Coherent Ray Tracing*, 2001 (packets); Boulos, Wald and Shirley,
-//! *Geometric and Arithmetic Culling Methods for Entire Ray Packets*, 2006 (interval arithmetic).
+//! *Geometric and Arithmetic Culling Methods for Entire Ray Packets*, 2006 (interval arithmetic). Differs: a box is tested
+//! against the bundles of all groups of eight rays at once, lane by lane, so that there is no first active ray to look for.
 
 mod boxes;
 mod bundle;
