@@ -20,6 +20,7 @@ impl Avx2 {
 impl Lanes for Avx2 {
     type F8 = __m256;
     type F4 = __m128;
+    type D4 = __m256d;
 
     #[inline(always)]
     fn load8(self, from: &[f32; 8]) -> __m256 {
@@ -85,21 +86,6 @@ impl Lanes for Avx2 {
     fn min8(self, a: __m256, b: __m256) -> __m256 {
         // SAFETY: see above.
         unsafe { _mm256_min_ps(a, b) }
-    }
-
-    #[inline(always)]
-    fn extremes8(self, least_of: __m256, greatest_of: __m256) -> (f32, f32) {
-        // SAFETY: see above.
-        unsafe {
-            // One half per extreme: the greatest is the least of what is negated.
-            let negated = _mm256_xor_ps(greatest_of, _mm256_set1_ps(-0.0));
-            let low = _mm256_permute2f128_ps::<0x20>(least_of, negated);
-            let high = _mm256_permute2f128_ps::<0x31>(least_of, negated);
-            let four = _mm256_min_ps(low, high);
-            let two = _mm256_min_ps(four, _mm256_permute_ps::<0b01_00_11_10>(four));
-            let one = _mm256_min_ps(two, _mm256_permute_ps::<0b10_11_00_01>(two));
-            (_mm256_cvtss_f32(one), -_mm_cvtss_f32(_mm256_extractf128_ps::<1>(one)))
-        }
     }
 
     #[inline(always)]
@@ -247,6 +233,54 @@ impl Lanes for Avx2 {
             let third = _mm_movehl_ps(products, products);
             _mm_cvtss_f32(_mm_add_ss(_mm_add_ss(products, second), third))
         }
+    }
+
+    #[inline(always)]
+    fn to_f64(self, a: __m128) -> __m256d {
+        // SAFETY: see above.
+        unsafe { _mm256_cvtps_pd(a) }
+    }
+
+    #[inline(always)]
+    fn to_f32(self, a: __m256d) -> __m128 {
+        // SAFETY: see above.
+        unsafe { _mm256_cvtpd_ps(a) }
+    }
+
+    #[inline(always)]
+    fn splat4_f64(self, x: f64) -> __m256d {
+        // SAFETY: see above.
+        unsafe { _mm256_set1_pd(x) }
+    }
+
+    #[inline(always)]
+    fn add4_f64(self, a: __m256d, b: __m256d) -> __m256d {
+        // SAFETY: see above.
+        unsafe { _mm256_add_pd(a, b) }
+    }
+
+    #[inline(always)]
+    fn sub4_f64(self, a: __m256d, b: __m256d) -> __m256d {
+        // SAFETY: see above.
+        unsafe { _mm256_sub_pd(a, b) }
+    }
+
+    #[inline(always)]
+    fn mul4_f64(self, a: __m256d, b: __m256d) -> __m256d {
+        // SAFETY: see above.
+        unsafe { _mm256_mul_pd(a, b) }
+    }
+
+    #[inline(always)]
+    fn div4_f64(self, a: __m256d, b: __m256d) -> __m256d {
+        // SAFETY: see above.
+        unsafe { _mm256_div_pd(a, b) }
+    }
+
+    #[inline(always)]
+    fn lt4_f64(self, a: __m256d, b: __m256d) -> u32 {
+        // SAFETY: see above.
+        unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(a, b)) as u32 }
     }
 
     #[inline(always)]

@@ -6,6 +6,8 @@ pub(crate) trait Lanes: Copy {
     type F8: Copy;
     /// Four numbers.
     type F4: Copy;
+    /// Four `f64`.
+    type D4: Copy;
 
     fn load8(self, from: &[f32; 8]) -> Self::F8;
     fn store8(self, from: Self::F8, to: &mut [f32; 8]);
@@ -19,8 +21,6 @@ pub(crate) trait Lanes: Copy {
     fn mul8(self, a: Self::F8, b: Self::F8) -> Self::F8;
     fn div8(self, a: Self::F8, b: Self::F8) -> Self::F8;
     fn min8(self, a: Self::F8, b: Self::F8) -> Self::F8;
-    /// The least and the greatest lane; means nothing where a lane is no number.
-    fn extremes8(self, least_of: Self::F8, greatest_of: Self::F8) -> (f32, f32);
     /// Lane `i` of output `k` is lane `k` of input `i`.
     fn transpose8(self, from: [Self::F8; 8]) -> [Self::F8; 8];
     /// As `le8`, where `a < b`.
@@ -48,6 +48,18 @@ pub(crate) trait Lanes: Copy {
     fn truncate4(self, a: Self::F4) -> [i32; 4];
     /// `a₀a₁ + a₁a₂ + a₂a₀`, added from the left.
     fn pair_products(self, a: Self::F4) -> f32;
+
+    /// Four `f64`, exactly.
+    fn to_f64(self, a: Self::F4) -> Self::D4;
+    /// Four `f32`, rounded to nearest.
+    fn to_f32(self, a: Self::D4) -> Self::F4;
+    fn splat4_f64(self, x: f64) -> Self::D4;
+    fn add4_f64(self, a: Self::D4, b: Self::D4) -> Self::D4;
+    fn sub4_f64(self, a: Self::D4, b: Self::D4) -> Self::D4;
+    fn mul4_f64(self, a: Self::D4, b: Self::D4) -> Self::D4;
+    fn div4_f64(self, a: Self::D4, b: Self::D4) -> Self::D4;
+    /// As `lt8`.
+    fn lt4_f64(self, a: Self::D4, b: Self::D4) -> u32;
 
     /// For each lane below `count`, how many of these are less, or equal and before it.
     fn ranks8(self, keys: &[f32; 8], count: usize) -> [u8; 8];

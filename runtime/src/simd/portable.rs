@@ -7,6 +7,7 @@ pub(crate) struct Portable;
 impl Lanes for Portable {
     type F8 = [f32; 8];
     type F4 = [f32; 4];
+    type D4 = [f64; 4];
 
     #[inline(always)]
     fn load8(self, from: &[f32; 8]) -> [f32; 8] {
@@ -61,17 +62,6 @@ impl Lanes for Portable {
     #[inline(always)]
     fn min8(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
         std::array::from_fn(|k| if a[k] < b[k] { a[k] } else { b[k] })
-    }
-
-    #[inline(always)]
-    fn extremes8(self, least_of: [f32; 8], greatest_of: [f32; 8]) -> (f32, f32) {
-        let least = least_of
-            .into_iter()
-            .fold(f32::INFINITY, |a, b| if a < b { a } else { b });
-        let greatest = greatest_of
-            .into_iter()
-            .fold(f32::NEG_INFINITY, |a, b| if a > b { a } else { b });
-        (least, greatest)
     }
 
     #[inline(always)]
@@ -159,6 +149,46 @@ impl Lanes for Portable {
     #[inline(always)]
     fn pair_products(self, [x, y, z, _]: [f32; 4]) -> f32 {
         x * y + y * z + z * x
+    }
+
+    #[inline(always)]
+    fn to_f64(self, a: [f32; 4]) -> [f64; 4] {
+        a.map(f64::from)
+    }
+
+    #[inline(always)]
+    fn to_f32(self, a: [f64; 4]) -> [f32; 4] {
+        a.map(|x| x as f32)
+    }
+
+    #[inline(always)]
+    fn splat4_f64(self, x: f64) -> [f64; 4] {
+        [x; 4]
+    }
+
+    #[inline(always)]
+    fn add4_f64(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|k| a[k] + b[k])
+    }
+
+    #[inline(always)]
+    fn sub4_f64(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|k| a[k] - b[k])
+    }
+
+    #[inline(always)]
+    fn mul4_f64(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|k| a[k] * b[k])
+    }
+
+    #[inline(always)]
+    fn div4_f64(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|k| a[k] / b[k])
+    }
+
+    #[inline(always)]
+    fn lt4_f64(self, a: [f64; 4], b: [f64; 4]) -> u32 {
+        (0..4).fold(0, |bits, k| bits | u32::from(a[k] < b[k]) << k)
     }
 
     #[inline(always)]

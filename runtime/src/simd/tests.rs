@@ -41,16 +41,28 @@ fn everything<S: Lanes>(simd: S, a: &[f32; 8], b: &[f32; 8]) -> Vec<u32> {
     let mut out: Vec<u32> = out.into_iter().map(bits).collect();
     out.push(counted[7].to_bits());
     out.extend([simd.le8(wide_a, wide_b), simd.lt8(wide_a, wide_b)]);
-    let numbers = [a, b].map(|lanes| simd.load8(&lanes.map(|x| if x.is_nan() { 0.5 } else { x + 0.0 })));
-    let (least, greatest) = simd.extremes8(numbers[0], numbers[1]);
-    // A greatest zero may have either sign.
-    out.extend([least.to_bits(), (greatest + 0.0).to_bits()]);
     let rows = [wide_a, wide_b, wide_b, wide_a, wide[1], wide[2], wide_b, wide[3]];
     for vector in simd.transpose8(rows) {
         let mut eight = [0.0; 8];
         simd.store8(vector, &mut eight);
         out.extend(eight.map(bits));
     }
+    let [x, y] = [x, z].map(|four| simd.to_f64(four));
+    let doubles = [
+        x,
+        simd.add4_f64(x, y),
+        simd.sub4_f64(x, y),
+        simd.mul4_f64(x, y),
+        simd.div4_f64(x, y),
+        simd.splat4_f64(1.0 / f64::from(a[3])),
+    ];
+    for double in doubles {
+        out.extend(simd.store4(simd.to_f32(double)).map(bits));
+        // What is lost above.
+        let rest = simd.sub4_f64(double, simd.to_f64(simd.to_f32(double)));
+        out.extend(simd.store4(simd.to_f32(rest)).map(bits));
+    }
+    out.push(simd.lt4_f64(x, y));
     for count in 1..=8 {
         out.extend(simd.ranks8(a, count)[..count].iter().map(|rank| u32::from(*rank)));
     }

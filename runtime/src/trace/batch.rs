@@ -2,18 +2,16 @@ use super::{InstanceContext, TraceContext, context::PacketContext, enter_instanc
 use crate::{
     Hit, InstanceId, Ray,
     asset_instance::AssetInstance,
+    cluster_frame::SlabRay,
     instance::Instance,
     prepared::Whole,
     scene::Scene,
-    wide::{self, Bundled, GROUP, PACKET, WideStack},
+    simd::prefetch,
+    wide::{self, Bundled, GROUP, GroupHits, PACKET, Part, WideRay, set_bits, walk_together},
 };
-use std::{cell::Cell, ops::Range};
+use std::cell::Cell;
 
 const _: () = assert!(PACKET == u64::BITS as usize);
-
-/// Triangles that a bundle tests, for each of its rays, before these go on alone: it is then not as narrow for the mesh as it
-/// seemed from the outside, as where all of a scene's triangles are in one corner.
-const TRIANGLES_PER_RAY: usize = 8;
 
 /// What is asked of a ray.
 pub(crate) trait Answer: Send + Sized {
@@ -49,6 +47,8 @@ impl Answer for bool {
 /// the tree over instances and those of whole instances. `leave` is told of the others: the place of the first of up to 64,
 /// and a bit for each that must go alone.
 ///
+/// `rays` may go on behind those that are asked for: the next to be.
+///
 /// Guarantee: the answers of [`trace`].
 pub(crate) fn trace_together<A: Answer>(
     scene: &Scene,
@@ -57,8 +57,12 @@ pub(crate) fn trace_together<A: Answer>(
     context: &mut TraceContext,
     mut leave: impl FnMut(usize, u64),
 ) {
-    let packets = rays.chunks(PACKET).zip(answers.chunks_mut(PACKET));
-    for (first, (rays, answers)) in (0..).step_by(PACKET).zip(packets) {
+    let mut later = rays;
+    for (first, answers) in (0..).step_by(PACKET).zip(answers.chunks_mut(PACKET)) {
+        let rays;
+        (rays, later) = later.split_at(answers.len());
+        // Between packets the machine forgets that rays follow each other.
+        prefetch(&later[..later.len().min(PACKET)]);
         let alone = if A::ANY {
             trace_packet::<true, A>(scene, rays, answers, context)
         } else {
@@ -79,55 +83,80 @@ fn trace_packet<const ANY: bool, A: Answer>(
     let TraceContext {
         stack,
         instance,
-        packet: PacketContext { packet, travellers },
+        packet:
+            PacketContext {
+                packet,
+                best,
+                travellers,
+                hits,
+                stack: packet_stack,
+            },
     } = context;
     // What no bundle says otherwise of.
     answers.iter_mut().for_each(|answer| *answer = A::of(None));
     let Some(root) = scene.top_level.nodes().first().filter(|_| !bounds.is_empty()) else {
         return 0;
     };
-    packet.load(scene.simd, rays);
     // A bit for each ray that goes alone.
     let left = Cell::new(0u64);
-    let leave = |places: Range<usize>| places.for_each(|place| left.set(left.get() | 1 << place));
     packet.part(
         scene.simd,
+        rays,
         root,
         &bounds,
         |bundled| {
-            let groups = bundled.groups();
-            let places = groups.start * GROUP..(groups.end * GROUP).min(rays.len());
-            let Some(wide) = bundled.in_world(scene.top_level.nodes()) else {
-                leave(places);
+            let places = bundled.places();
+            let Some(together) = bundled.in_world(scene.top_level.nodes()) else {
+                left.set(left.get() | places);
                 return;
             };
-            travellers[places.clone()].iter_mut().for_each(|known| *known = None);
+            best.fill(None);
             let mut bundle = Bundle {
                 scene,
                 rays,
+                best,
                 travellers: &mut travellers[..],
+                ready: 0,
+                hits,
             };
-            wide::walk(
+            walk_together(
                 scene.simd,
                 scene.top_level.nodes(),
-                0,
-                &wide,
-                wide.start,
+                &together,
                 bundled,
-                stack,
-                &mut (),
-                &mut |index, bundled, _| {
-                    bundle.enter_instance::<ANY>(index, bundled, instance);
+                packet_stack,
+                &mut |part, bundled| {
+                    match part {
+                        Part::Leaf { leaf, groups } => bundle.enter_instance::<ANY>(leaf, groups, bundled, instance),
+                        Part::Alone { node, places } => {
+                            bundle.alone::<ANY>(places, bundled, |traveller, start| {
+                                let slab = SlabRay::in_world(traveller.origin, traveller.direction, &bounds);
+                                wide::walk(
+                                    scene.simd,
+                                    scene.top_level.nodes(),
+                                    node,
+                                    &WideRay::new(&slab),
+                                    start,
+                                    traveller,
+                                    stack,
+                                    &mut (),
+                                    &mut |index, traveller, counters| {
+                                        enter_instance::<ANY>(scene, index, 0.0, start, traveller, instance, counters)
+                                    },
+                                );
+                            });
+                        }
+                    }
                     bundled.is_over()
                 },
             );
-            for place in places {
-                if let Some((traveller, _)) = &travellers[place] {
-                    answers[place] = A::of(traveller.best);
+            for place in set_bits(places) {
+                if bundle.best[place].is_some() {
+                    answers[place] = A::of(bundle.best[place]);
                 }
             }
         },
-        leave,
+        |places| places.for_each(|place| left.set(left.get() | 1 << place)),
     );
     left.get()
 }
@@ -136,113 +165,157 @@ fn trace_packet<const ANY: bool, A: Answer>(
 struct Bundle<'a> {
     scene: &'a Scene,
     rays: &'a [Ray],
-    /// Each ray that may hit something, and the scaled `t` at which it begins.
+    /// Per ray, the best hit so far.
+    best: &'a mut [Option<Hit>; PACKET],
+    /// Rays that went alone, and the scaled `t` at which they begin; meaningful where `ready` has a bit.
     travellers: &'a mut [Option<(Traveller, f32)>],
+    ready: u64,
+    hits: &'a mut [GroupHits; PACKET / GROUP],
 }
 
 impl Bundle<'_> {
-    fn enter_instance<const ANY: bool>(&mut self, index: u32, bundled: &mut Bundled, context: &mut InstanceContext) {
-        if let Some(Instance::Asset(instance)) = self.scene.in_slot(index) {
-            let rays = (bundled.groups().len() * GROUP) as u32;
+    fn enter_instance<const ANY: bool>(
+        &mut self,
+        index: u32,
+        groups: u32,
+        bundled: &mut Bundled,
+        context: &mut InstanceContext,
+    ) {
+        let scene = self.scene;
+        if let Some(Instance::Asset(instance)) = scene.in_slot(index) {
+            let rays = groups.count_ones() * GROUP as u32;
             let whole = instance.prepared().enter(instance.pool(), rays);
             if let Some(whole) = whole.filter(|whole| !whole.nodes.is_empty())
-                && self.enter_whole::<ANY>(self.scene.id(index), instance, whole, bundled, &mut context.stack)
+                && self.enter_whole::<ANY>(scene.id(index), instance, whole, bundled, context)
             {
                 return;
             }
         }
-        let Some(bounds) = self.scene.in_slot(index).map(Instance::bounds) else {
+        let Some(bounds) = scene.in_slot(index).map(Instance::bounds) else {
             return;
         };
-        for group in bundled.groups() {
-            for lane in lanes(bundled.meeting(self.scene.simd, group, &bounds)) {
-                let place = group * GROUP + lane;
-                let Some((traveller, start)) = traveller(self.travellers, self.rays, place) else {
-                    continue;
-                };
-                let before = traveller.limit;
-                let is_over = enter_instance::<ANY>(self.scene, index, 0.0, *start, traveller, context, &mut ());
-                if is_over {
-                    bundled.cut(group, lane, f32::NEG_INFINITY);
-                } else if traveller.limit != before
-                    && let Some(best) = &traveller.best
-                {
-                    bundled.cut(group, lane, best.t);
-                }
+        let places = bundled.meeting(scene.simd, groups, &bounds);
+        self.alone::<ANY>(places, bundled, |traveller, start| {
+            enter_instance::<ANY>(scene, index, 0.0, start, traveller, context, &mut ());
+        });
+    }
+
+    /// Traces rays one by one.
+    fn alone<const ANY: bool>(
+        &mut self,
+        places: u64,
+        bundled: &mut Bundled,
+        mut trace: impl FnMut(&mut Traveller, f32),
+    ) {
+        let mut cut = 0;
+        for place in set_bits(places) {
+            if self.ready >> place & 1 == 0 {
+                self.travellers[place] = Traveller::new(&self.rays[place]);
+                self.ready |= 1 << place;
             }
+            let Some((traveller, start)) = &mut self.travellers[place] else {
+                continue;
+            };
+            if let Some(best) = self.best[place] {
+                if ANY {
+                    continue;
+                }
+                traveller.resume(best);
+            }
+            trace(traveller, *start);
+            if let Some(best) = traveller.best
+                && self.best[place] != Some(best)
+            {
+                self.best[place] = Some(best);
+                bundled.cut(place, if ANY { f32::NEG_INFINITY } else { best.t });
+                cut |= 1 << (place / GROUP);
+            }
+        }
+        if cut != 0 {
+            bundled.shorten(self.scene.simd, cut);
         }
     }
 
-    /// False where the rays must go on one by one.
+    /// False where the rays must go one by one.
     fn enter_whole<const ANY: bool>(
         &mut self,
         id: InstanceId,
         instance: &AssetInstance,
         whole: &Whole,
         bundled: &mut Bundled,
-        stack: &mut WideStack,
+        context: &mut InstanceContext,
     ) -> bool {
-        let Some(wide) = bundled.in_world(&whole.nodes) else {
+        let bounds = whole.nodes[0].around();
+        let Some(together) = bundled.in_world(&whole.nodes) else {
             return false;
         };
+        let InstanceContext {
+            stack, packet_stack, ..
+        } = context;
         let simd = self.scene.simd;
         let triangles = instance.asset().model().triangles;
-        let mut left = TRIANGLES_PER_RAY * bundled.groups().len() * GROUP;
-        wide::walk(
+        let corners = |triangle: u32| {
+            let corners = triangles[triangle as usize].corners;
+            corners.map(|corner| whole.positions[corner as usize])
+        };
+        walk_together(
             simd,
             &whole.nodes,
-            0,
-            &wide,
-            wide.start,
+            &together,
             bundled,
-            stack,
-            &mut (),
-            &mut |triangle, bundled, _| {
-                if left == 0 {
-                    return true;
-                }
-                left -= 1;
-                let corners = triangles[triangle as usize].corners;
-                let corners = corners.map(|corner| whole.positions[corner as usize]);
-                for group in bundled.groups() {
-                    for lane in lanes(bundled.candidates(simd, group, &corners)) {
-                        let place = group * GROUP + lane;
-                        let Some((traveller, _)) = traveller(self.travellers, self.rays, place) else {
-                            continue;
-                        };
-                        if traveller.test(&corners, id, triangle)
-                            && let Some(best) = &traveller.best
-                        {
-                            bundled.cut(group, lane, if ANY { f32::NEG_INFINITY } else { best.t });
-                        }
-                    }
+            packet_stack,
+            &mut |part, bundled| {
+                match part {
+                    Part::Leaf { leaf, groups } => self.test::<ANY>(id, leaf, &corners(leaf), groups, bundled),
+                    Part::Alone { node, places } => self.alone::<ANY>(places, bundled, |traveller, start| {
+                        let slab = SlabRay::in_world(traveller.origin, traveller.direction, &bounds);
+                        wide::walk(
+                            simd,
+                            &whole.nodes,
+                            node,
+                            &WideRay::new(&slab),
+                            start,
+                            traveller,
+                            stack,
+                            &mut (),
+                            &mut |triangle, traveller, _| traveller.test(&corners(triangle), id, triangle) && ANY,
+                        );
+                    }),
                 }
                 bundled.is_over()
             },
         );
-        left > 0
+        true
     }
-}
 
-/// The ray at a place of the packet, made ready when it first may hit something.
-#[inline]
-fn traveller<'a>(
-    travellers: &'a mut [Option<(Traveller, f32)>],
-    rays: &[Ray],
-    place: usize,
-) -> Option<&'a mut (Traveller, f32)> {
-    let known = &mut travellers[place];
-    if known.is_none() {
-        *known = Traveller::new(&rays[place]);
+    /// Tests a triangle against some groups.
+    fn test<const ANY: bool>(
+        &mut self,
+        instance: InstanceId,
+        triangle: u32,
+        corners: &[[f32; 3]; 3],
+        groups: u32,
+        bundled: &mut Bundled,
+    ) {
+        let found = bundled.hits(self.scene.simd, groups, corners, self.hits);
+        let mut cut = 0;
+        for place in set_bits(found) {
+            let (hits, lane) = (&self.hits[place / GROUP], place % GROUP);
+            let hit = Hit {
+                t: hits.t[lane],
+                u: hits.u[lane],
+                v: hits.v[lane],
+                instance,
+                triangle,
+            };
+            if self.best[place].is_none_or(|best| hit.is_before(&best)) {
+                self.best[place] = Some(hit);
+                bundled.cut(place, if ANY { f32::NEG_INFINITY } else { hit.t });
+                cut |= 1 << (place / GROUP);
+            }
+        }
+        if cut != 0 {
+            bundled.shorten(self.scene.simd, cut);
+        }
     }
-    known.as_mut()
-}
-
-/// The set bits of a mask.
-fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = (mask != 0).then(|| mask.trailing_zeros() as usize);
-        mask &= mask.wrapping_sub(1);
-        lane
-    })
 }

@@ -4,12 +4,12 @@ use super::{
     walk::{EMPTY_LEVEL, Level},
 };
 use crate::{
-    InstanceId,
+    Hit, InstanceId,
     asset_instance::AssetInstance,
     excess::Motions,
     prepared::Prepared,
     scene::Scene,
-    wide::{PACKET, Packet, WideStack},
+    wide::{GROUP, GroupHits, PACKET, Packet, PacketStack, WideStack},
 };
 use std::cell::RefCell;
 
@@ -23,12 +23,21 @@ pub(crate) struct TraceContext {
 
 pub(super) struct PacketContext {
     pub packet: Packet,
+    /// Per ray, the best hit so far.
+    pub best: [Option<Hit>; PACKET],
+    /// Rays that went alone, and the scaled `t` at which they begin.
     pub travellers: Vec<Option<(Traveller, f32)>>,
+    /// Hits of a triangle.
+    pub hits: [GroupHits; PACKET / GROUP],
+    /// For the tree over instances.
+    pub stack: PacketStack,
 }
 
 pub(super) struct InstanceContext {
     /// For the tree over clusters, or over all triangles.
     pub stack: WideStack,
+    /// For the tree over all triangles.
+    pub packet_stack: PacketStack,
     pub cluster: ClusterContext,
     pub moments: Moments,
 }
@@ -45,6 +54,7 @@ impl TraceContext {
             stack: WideStack::new(),
             instance: InstanceContext {
                 stack: WideStack::new(),
+                packet_stack: PacketStack::new(),
                 cluster: ClusterContext {
                     stack: WideStack::new(),
                     binary: EMPTY_LEVEL,
@@ -54,7 +64,10 @@ impl TraceContext {
             },
             packet: PacketContext {
                 packet: Packet::new(),
+                best: [None; PACKET],
                 travellers: vec![None; PACKET],
+                hits: [GroupHits::NONE; PACKET / GROUP],
+                stack: PacketStack::new(),
             },
         }
     }

@@ -101,6 +101,7 @@ fn enter_instance<const ANY: bool>(
         stack,
         cluster,
         moments,
+        ..
     } = context;
     match scene.in_slot(index) {
         None => false,

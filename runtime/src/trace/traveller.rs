@@ -46,6 +46,13 @@ impl Traveller {
         f32_above(f64::from(t.next_up()) * self.scale)
     }
 
+    /// Goes on from a hit that was found elsewhere.
+    #[inline]
+    pub(super) fn resume(&mut self, best: Hit) {
+        self.best = Some(best);
+        self.limit = self.limit_behind(best.t);
+    }
+
     /// Tests one posed triangle; true when it is the best hit so far.
     #[inline]
     pub(super) fn test(&mut self, corners: &[[f32; 3]; 3], instance: InstanceId, triangle: u32) -> bool {

@@ -1,8 +1,8 @@
-use super::{WideNode, boxes::WideBoxes, ray::ORIGIN_SLACK, ray_group::RayGroup};
+use super::{WideNode, boxes::WideBoxes, ray::ORIGIN_SLACK};
 #[cfg(target_arch = "x86_64")]
 use crate::simd::Avx2;
 use crate::{
-    Aabb,
+    Aabb, Ray,
     cluster_frame::WORLD_RAY_ERROR,
     simd::{Lanes, Portable, SimdLevel},
 };
@@ -14,6 +14,8 @@ const DIRECTION_LIMIT: f32 = (1u32 << 30) as f32;
 /// 2⁻¹¹⁸: a `t` that underflows is off by at most 2⁻¹⁵⁰, which is a length of 2⁻¹²⁰ along such a direction.
 const FLOOR: f32 = 1.0 / (1u128 << 118) as f32;
 
+const CHAINS: usize = 4;
+
 /// Coherent rays in world space: intervals of what they are made of. `t` is the rays' own, not scaled.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RayBundle {
@@ -22,59 +24,51 @@ pub(super) struct RayBundle {
     /// Least and greatest inverses of directions: per axis of one sign, and finite.
     inverse_direction: [[f32; 3]; 2],
     /// Before the least `t_min`.
-    start: f32,
+    pub start: f32,
+    /// Behind the greatest `t_max`.
+    pub end: f32,
 }
 
 impl RayBundle {
-    /// Of all rays in some groups; `None` where one can hit nothing, they do not all run the same way along each axis, or
-    /// their directions are too long or short.
-    pub(super) fn around(level: SimdLevel, groups: &[RayGroup]) -> Option<Self> {
+    /// Of some rays, but for numbers among them that are none; `None` where they do not all run the same way along each
+    /// axis, or their directions are too long or short.
+    pub(super) fn around(level: SimdLevel, rays: &[Ray]) -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
         if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {
             #[target_feature(enable = "avx2,popcnt")]
-            fn compiled(simd: Avx2, groups: &[RayGroup]) -> Option<RayBundle> {
-                RayBundle::around_with(simd, groups)
+            fn compiled(simd: Avx2, rays: &[Ray]) -> Option<RayBundle> {
+                RayBundle::around_with(simd, rays)
             }
             #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
             // SAFETY: an `Avx2` exists only on machines that have both features.
-            return unsafe { compiled(simd, groups) };
+            return unsafe { compiled(simd, rays) };
         }
-        Self::around_with(Portable, groups)
+        Self::around_with(Portable, rays)
     }
 
     #[inline(always)]
-    fn around_with<S: Lanes>(simd: S, groups: &[RayGroup]) -> Option<Self> {
-        let (infinity, minus_infinity) = (simd.splat8(f32::INFINITY), simd.splat8(f32::NEG_INFINITY));
-        let (mut least, mut greatest, mut t_min) = ([infinity; 6], [minus_infinity; 6], infinity);
-        let mut unusable = 0;
-        for group in groups {
-            let mut sum = simd.splat8(0.0);
-            for row in 0..6 {
-                let lanes = simd.load8(&group.rows[row]);
-                least[row] = simd.min8(lanes, least[row]);
-                greatest[row] = simd.max8(lanes, greatest[row]);
-                sum = simd.add8(sum, lanes);
+    fn around_with<S: Lanes>(simd: S, rays: &[Ray]) -> Option<Self> {
+        // A ray is a vector. Several chains, so that none waits for the one before it.
+        let mut least = [simd.splat8(f32::INFINITY); CHAINS];
+        let mut greatest = [simd.splat8(f32::NEG_INFINITY); CHAINS];
+        for rays in rays.chunks(CHAINS) {
+            for (chain, ray) in rays.iter().enumerate() {
+                let ray = simd.load8(bytemuck::cast_ref(ray));
+                least[chain] = simd.min8(ray, least[chain]);
+                greatest[chain] = simd.max8(ray, greatest[chain]);
             }
-            let start = simd.load8(&group.rows[6]);
-            t_min = simd.min8(start, t_min);
-            // Finite only where all six are.
-            let finite = simd.lt8(sum, infinity) & simd.lt8(minus_infinity, sum);
-            unusable |= !(finite & simd.le8(start, simd.load8(&group.rows[7]))) & group.used;
         }
-        if unusable != 0 {
-            return None;
-        }
-        let (mut origin, mut direction) = ([[0.0; 3]; 2], [[0.0; 3]; 2]);
-        for k in 0..3 {
-            (origin[0][k], origin[1][k]) = simd.extremes8(least[k], greatest[k]);
-            (direction[0][k], direction[1][k]) = simd.extremes8(least[3 + k], greatest[3 + k]);
-        }
-        let (t_min, _) = simd.extremes8(t_min, t_min);
-        Self::new(origin, direction, t_min)
+        let mut ends = [[0.0; 8]; 2];
+        let [a, b, c, d] = least;
+        simd.store8(simd.min8(simd.min8(a, b), simd.min8(c, d)), &mut ends[0]);
+        let [a, b, c, d] = greatest;
+        simd.store8(simd.max8(simd.max8(a, b), simd.max8(c, d)), &mut ends[1]);
+        let three = |row: usize| ends.map(|end| std::array::from_fn(|k| end[row + k]));
+        Self::new(three(0), three(3), [ends[0][6], ends[1][7]])
     }
 
     #[inline(always)]
-    fn new(origin: [[f32; 3]; 2], [low, high]: [[f32; 3]; 2], t_min: f32) -> Option<Self> {
+    fn new(origin: [[f32; 3]; 2], [low, high]: [[f32; 3]; 2], [t_min, t_max]: [f32; 2]) -> Option<Self> {
         let mut longest = 0.0f32;
         for k in 0..3 {
             let (shortest, length) = if low[k] > 0.0 {
@@ -92,6 +86,7 @@ impl RayBundle {
             origin,
             inverse_direction: [inverse(high), inverse(low)],
             start: t_min.next_down(),
+            end: t_max.next_up(),
         })
     }
 
@@ -156,10 +151,10 @@ impl RayBundle {
 /// not scaled here changes only what underflows, which the floor of the margin covers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WideBundle {
-    near: [f32; 3],
-    far: [f32; 3],
-    inverse_direction: [[f32; 3]; 2],
-    near_row: [usize; 3],
+    pub(super) near: [f32; 3],
+    pub(super) far: [f32; 3],
+    pub(super) inverse_direction: [[f32; 3]; 2],
+    pub(super) near_row: [usize; 3],
     /// The least `t` that counts for any of the rays: where a traversal starts.
     pub start: f32,
 }

@@ -5,11 +5,13 @@
 //! two lattices in its local space ([`FuzzyRay`]). [`refit`] gives a tree the boxes of this frame, [`append_rows`] takes the topology of a file's
 //! tree, [`collapse`] makes a wide tree of a binary one.
 //!
-//! Coherent rays go through trees in world space together: a [`Packet`] parts them into bundles that [`walk`] takes like a
-//! single ray.
+//! Coherent rays go through trees in world space together: a [`Packet`] makes a bundle of them, which [`walk_together`] takes
+//! down a tree as long as more than a few of them go the same way; leaves and nodes below which few go on it leaves to its
+//! caller.
 //!
 //! Based on: Wald et al., *Interactive Rendering with Coherent Ray Tracing*, 2001 (packets); Boulos, Wald and Shirley,
-//! *Geometric and Arithmetic Culling Methods for Entire Ray Packets*, 2006 (interval arithmetic).
+//! *Geometric and Arithmetic Culling Methods for Entire Ray Packets*, 2006 (interval arithmetic). Differs: a box is tested
+//! against the bundles of all groups of eight rays at once, lane by lane, so that there is no first active ray to look for.
 
 mod boxes;
 mod bundle;
@@ -17,10 +19,12 @@ mod collapse;
 mod fuzzy_ray;
 #[cfg(test)]
 mod fuzzy_ray_tests;
+mod group_bundles;
 mod node;
 mod packet;
 #[cfg(test)]
 mod packet_tests;
+mod packet_walk;
 mod ray;
 mod ray_group;
 mod refit;
@@ -32,9 +36,10 @@ mod walk;
 pub(crate) use collapse::collapse;
 pub(crate) use fuzzy_ray::FuzzyRay;
 pub(crate) use node::{WideNode, append_rows};
-pub(crate) use packet::{Bundled, PACKET, Packet};
+pub(crate) use packet::{Bundled, PACKET, Packet, set_bits};
+pub(crate) use packet_walk::{PacketStack, Part, walk_together};
 pub(crate) use ray::WideRay;
-pub(crate) use ray_group::GROUP;
+pub(crate) use ray_group::{GROUP, GroupHits};
 pub(crate) use refit::{refit, refit_triangles};
 pub(crate) use stack::WideStack;
 pub(crate) use walk::{Limited, walk};

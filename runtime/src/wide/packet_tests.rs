@@ -1,10 +1,12 @@
-use super::{boxes::WideBoxes, *};
+use super::{boxes::WideBoxes, ray_group::RayGroup, *};
+#[cfg(target_arch = "x86_64")]
+use crate::simd::Avx2;
 use crate::{
     Aabb, Ray,
     build::{Bvh, BvhSettings, CheckedBoxes, StreamedBvh},
     cluster_frame::SlabRay,
-    simd::{Portable, SimdLevel},
-    triangle::PreparedRay,
+    simd::{Lanes, Portable, SimdLevel},
+    triangle::{PreparedRay, TriangleHit},
 };
 use fastrand::Rng;
 
@@ -115,82 +117,128 @@ fn alone(world: &World, ray: &Ray) -> Best {
     best
 }
 
-/// Closest hits, or any for each, through bundles; how many rays were left to go alone.
-fn together(level: SimdLevel, world: &World, rays: &[Ray], any: bool) -> (Vec<Best>, usize) {
-    let (mut packet, mut stack) = (Packet::new(), WideStack::new());
+/// A ray without an end.
+struct Endless;
+
+impl Limited for Endless {
+    fn limit(&self) -> f32 {
+        f32::INFINITY
+    }
+}
+
+/// The leaves below a node that a ray meets.
+fn leaves_below(level: SimdLevel, world: &World, node: u32, ray: &Ray) -> Vec<u32> {
+    let wide = WideRay::new(&SlabRay::in_world(ray.origin, ray.direction, &world.bounds));
+    let mut leaves = Vec::new();
+    let visit = &mut |leaf: u32, _: &mut Endless, (): &mut ()| {
+        leaves.push(leaf);
+        false
+    };
+    let stack = &mut WideStack::new();
+    walk(
+        level,
+        &world.nodes,
+        node,
+        &wide,
+        f32::MIN,
+        &mut Endless,
+        stack,
+        &mut (),
+        visit,
+    );
+    leaves
+}
+
+/// How rays came to their hits.
+#[derive(Clone, Copy, Debug, Default)]
+struct Ways {
+    /// Rays that no bundle took, and those that one did.
+    single: usize,
+    bundled: usize,
+    /// Rays that left their bundle on the way.
+    parted: usize,
+}
+
+/// Closest hits, or any for each, through bundles.
+fn together(level: SimdLevel, world: &World, rays: &[Ray], any: bool, ways: &mut Ways) -> Vec<Best> {
+    let (mut packet, mut stack) = (Packet::new(), PacketStack::new());
     let mut best = vec![None; rays.len()];
     let mut left = Vec::new();
-    packet.load(level, rays);
+    let end = |t: f32| if any { f32::NEG_INFINITY } else { t };
+    let mut hits = [GroupHits::NONE; PACKET / GROUP];
     let enter = |bundled: &mut Bundled| {
-        let Some(wide) = bundled.in_world(&world.nodes) else {
-            left.extend(bundled.groups().flat_map(|group| group * GROUP..(group + 1) * GROUP));
+        let places = bundled.places();
+        let Some(together) = bundled.in_world(&world.nodes) else {
+            left.extend(set_bits(places));
             return;
         };
-        let mut visit = |leaf: u32, bundled: &mut Bundled, (): &mut ()| {
-            let triangle = &world.triangles[leaf as usize];
-            for group in bundled.groups() {
-                let mask = bundled.candidates(level, group, triangle);
-                for lane in (0..GROUP).filter(|lane| mask >> lane & 1 == 1) {
-                    let place = group * GROUP + lane;
-                    let ray = PreparedRay::new(&rays[place]).expect("rays of a bundle can hit something");
-                    let hit = ray.intersect(triangle);
-                    if let Some(hit) = hit
-                        && improve(&mut best[place], hit.t, leaf)
-                    {
-                        bundled.cut(group, lane, if any { f32::NEG_INFINITY } else { hit.t });
+        let mut visit = |part: Part, bundled: &mut Bundled| {
+            let mut cut = |bundled: &mut Bundled, place: usize, t: f32, triangle: u32| {
+                if improve(&mut best[place], t, triangle) {
+                    bundled.cut(place, end(t));
+                }
+            };
+            match part {
+                Part::Leaf { leaf, groups } => {
+                    let found = bundled.hits(level, groups, &world.triangles[leaf as usize], &mut hits);
+                    for place in set_bits(found) {
+                        cut(bundled, place, hits[place / GROUP].t[place % GROUP], leaf);
                     }
+                    bundled.shorten(level, groups);
+                }
+                Part::Alone { node, places } => {
+                    for place in set_bits(places) {
+                        ways.parted += 1;
+                        let ray = PreparedRay::new(&rays[place]).expect("rays of a bundle can hit something");
+                        for leaf in leaves_below(level, world, node, &rays[place]) {
+                            if let Some(hit) = ray.intersect(&world.triangles[leaf as usize]) {
+                                cut(bundled, place, hit.t, leaf);
+                            }
+                        }
+                    }
+                    bundled.shorten(level, 0xff);
                 }
             }
             bundled.is_over()
         };
-        walk(
-            level,
-            &world.nodes,
-            0,
-            &wide,
-            wide.start,
-            bundled,
-            &mut stack,
-            &mut (),
-            &mut visit,
-        );
+        walk_together(level, &world.nodes, &together, bundled, &mut stack, &mut visit);
     };
     let mut single = Vec::new();
-    packet.part(level, &world.nodes[0], &world.bounds, enter, |places| {
+    packet.part(level, rays, &world.nodes[0], &world.bounds, enter, |places| {
         single.extend(places)
     });
     left.extend(single);
-    left.retain(|place| *place < rays.len());
     for place in &left {
         best[*place] = alone(world, &rays[*place]);
     }
-    (best, left.len())
+    ways.single += left.len();
+    ways.bundled += rays.len() - left.len();
+    best
 }
 
 #[test]
 fn bundles_hit_what_each_ray_hits_alone() {
     let mut random = Rng::with_seed(31);
-    let (mut rays_alone, mut rays_together, mut hits) = (0, 0, 0);
+    let (mut ways, mut hits) = (Ways::default(), 0);
     for round in 0..3000 {
         let scale = [1.0, 1e-15, 1e15][round % 3];
-        let count = random.usize(2..80);
+        // Now and then as many as make bundles part.
+        let count = random.usize(4..if round % 10 == 0 { 800 } else { 80 });
         let world = world(random_triangles(&mut random, count, scale));
         let rays = random_rays(&mut random, &world.triangles, scale);
         let expected: Vec<Best> = rays.iter().map(|ray| alone(&world, ray)).collect();
         for level in LEVELS {
-            let (found, left) = together(level(), &world, &rays, false);
+            let found = together(level(), &world, &rays, false, &mut ways);
             assert_eq!(found, expected, "round {round}");
-            let (any, _) = together(level(), &world, &rays, true);
+            let any = together(level(), &world, &rays, true, &mut ways);
             let [any, expected] = [&any, &expected].map(|best| best.iter().map(Option::is_some).collect::<Vec<_>>());
             assert_eq!(any, expected, "round {round}");
-            rays_alone += left;
-            rays_together += rays.len() - left;
         }
         hits += expected.iter().flatten().count();
     }
     assert!(
-        hits > 5000 && rays_together > 40_000 && rays_alone > 20_000,
-        "{hits} {rays_together} {rays_alone}"
+        hits > 5000 && ways.bundled > 80_000 && ways.single > 40_000 && ways.parted > 10_000,
+        "{hits} {ways:?}"
     );
 }
 
@@ -202,68 +250,150 @@ fn meets_alone(ray: &Ray, bounds: &Aabb, within: &Aabb) -> bool {
     node.meet(Portable, &wide, ray.t_min, ray.t_max).1 & 1 == 1
 }
 
+/// The way of a bundle: its rays, each leaf with the groups that came there and those of its rays that may be in its box,
+/// and each ray that went on alone, with the leaves that it could meet.
+#[derive(Debug, PartialEq)]
+struct Visits {
+    places: u64,
+    leaves: Vec<(u32, u32, u64)>,
+    alone: Vec<(usize, Vec<u32>)>,
+}
+
 #[test]
 fn bundles_visit_what_each_ray_visits_alone() {
     let mut random = Rng::with_seed(32);
-    let mut visited = 0;
-    for _ in 0..2000 {
-        let world = world(random_triangles(&mut random, 60, 1.0));
+    let mut visited = [0, 0];
+    for round in 0..2000 {
+        let world = world(random_triangles(
+            &mut random,
+            if round % 10 == 0 { 600 } else { 60 },
+            1.0,
+        ));
         let rays = random_rays(&mut random, &world.triangles, 1.0);
+        let boxes = |leaf: u32| Aabb::around(world.triangles[leaf as usize]);
         let visits = |level: SimdLevel| {
-            let mut packet = Packet::new();
-            packet.load(level, &rays);
             let mut out = Vec::new();
             let enter = |bundled: &mut Bundled| {
-                let mut leaves = Vec::new();
-                let wide = bundled.in_world(&world.nodes).unwrap();
-                let mut visit = |leaf: u32, _: &mut Bundled, (): &mut ()| {
-                    leaves.push(leaf);
+                let (mut leaves, mut alone) = (Vec::new(), Vec::new());
+                let together = bundled.in_world(&world.nodes).unwrap();
+                let mut visit = |part: Part, bundled: &mut Bundled| {
+                    match part {
+                        Part::Leaf { leaf, groups } => {
+                            leaves.push((leaf, groups, bundled.meeting(level, 0xff, &boxes(leaf))));
+                        }
+                        Part::Alone { node, places } => {
+                            let below = |place| (place, leaves_below(level, &world, node, &rays[place]));
+                            alone.extend(set_bits(places).map(below));
+                        }
+                    }
                     false
                 };
-                let stack = &mut WideStack::new();
-                walk(
+                walk_together(
                     level,
                     &world.nodes,
-                    0,
-                    &wide,
-                    wide.start,
+                    &together,
                     bundled,
-                    stack,
-                    &mut (),
+                    &mut PacketStack::new(),
                     &mut visit,
                 );
-                let boxes = |leaf: u32| Aabb::around(world.triangles[leaf as usize]);
-                let meeting = |group: usize| {
-                    leaves
-                        .iter()
-                        .map(|leaf| bundled.meeting(level, group, &boxes(*leaf)))
-                        .collect()
-                };
-                let meeting: Vec<Vec<u32>> = bundled.groups().map(meeting).collect();
-                out.push((bundled.groups(), leaves, meeting));
+                out.push(Visits {
+                    places: bundled.places(),
+                    leaves,
+                    alone,
+                });
             };
-            packet.part(level, &world.nodes[0], &world.bounds, enter, |_| {});
+            let mut packet = Packet::new();
+            packet.part(level, &rays, &world.nodes[0], &world.bounds, enter, |_| {});
             out
         };
         let found = visits(SimdLevel::detect());
         assert_eq!(found, visits(SimdLevel::Portable));
-        for (groups, leaves, meeting) in found {
-            for place in groups.start * GROUP..(groups.end * GROUP).min(rays.len()) {
+        for bundle in found {
+            for place in set_bits(bundle.places) {
                 for (id, triangle) in (0..).zip(&world.triangles) {
                     let bounds = Aabb::around(*triangle);
                     if !world.bounds.contains_box(&bounds) || !meets_alone(&rays[place], &bounds, &world.bounds) {
                         continue;
                     }
-                    let at = leaves.iter().position(|leaf| *leaf == id);
-                    let at = at.expect("the bundle visits the leaves of each ray");
-                    let mask = meeting[place / GROUP - groups.start][at];
-                    assert!(mask >> (place % GROUP) & 1 == 1 || !meets_alone(&rays[place], &bounds, &bounds));
-                    visited += 1;
+                    let with_others = bundle.leaves.iter().find(|(leaf, ..)| *leaf == id);
+                    if let Some((_, _, meeting)) =
+                        with_others.filter(|(_, groups, _)| groups >> (place / GROUP) & 1 == 1)
+                    {
+                        assert!(meeting >> place & 1 == 1 || !meets_alone(&rays[place], &bounds, &bounds));
+                        visited[0] += 1;
+                    } else {
+                        let mut alone = bundle.alone.iter().filter(|(own, _)| *own == place);
+                        assert!(
+                            alone.any(|(_, leaves)| leaves.contains(&id)),
+                            "the bundle or the ray visits the leaf"
+                        );
+                        visited[1] += 1;
+                    }
                 }
             }
         }
     }
-    assert!(visited > 10_000, "{visited}");
+    assert!(visited[0] > 10_000 && visited[1] > 2_000, "{visited:?}");
+}
+
+/// Where a triangle's corners, edges and planes are hit, where ranges end, where directions change their longest axis.
+#[test]
+fn eight_rays_hit_what_each_of_them_hits() {
+    let mut random = Rng::with_seed(34);
+    let (mut hits, mut ends) = (0, 0);
+    for round in 0..20_000 {
+        let scale = [1.0, 1e-15, 1e15, 1e-30, 1e30][round % 5];
+        let triangles = random_triangles(&mut random, 4, scale);
+        let mut rays = random_rays(&mut random, &triangles, scale.clamp(1e-20, 1e20));
+        for ray in &mut rays {
+            if !ray.is_usable() {
+                *ray = Ray::new([0.0; 3], [1.0, 0.5, 0.25]);
+            }
+            let own = &triangles[random.usize(..4)];
+            if let Some(hit) = PreparedRay::new(ray).and_then(|ray| ray.intersect(own)) {
+                // Ranges that just hold the hit, or just not.
+                match random.u32(..6) {
+                    0 => ray.t_max = hit.t,
+                    1 => ray.t_max = hit.t.next_down(),
+                    2 => (ray.t_min, ray.t_max) = (hit.t, f32::INFINITY),
+                    3 => (ray.t_min, ray.t_max) = (hit.t.next_up(), f32::INFINITY),
+                    _ => {}
+                }
+            }
+        }
+        for level in LEVELS {
+            for triangle in &triangles {
+                let (found, lanes) = group_hits(level(), &rays, triangle);
+                for (place, ray) in rays.iter().enumerate().take(GROUP) {
+                    let expected = PreparedRay::new(ray).and_then(|ray| ray.intersect(triangle));
+                    let own = (found >> place & 1 == 1).then(|| TriangleHit {
+                        t: lanes.t[place],
+                        u: lanes.u[place],
+                        v: lanes.v[place],
+                    });
+                    let bits = |hit: Option<TriangleHit>| hit.map(|hit| [hit.t, hit.u, hit.v].map(f32::to_bits));
+                    assert_eq!(bits(own), bits(expected), "round {round}: {ray:?} {triangle:?}");
+                    hits += u32::from(own.is_some());
+                    ends += u32::from(own.is_some_and(|hit| hit.t == ray.t_max || hit.t == ray.t_min));
+                }
+                assert_eq!(found >> rays.len().min(GROUP), 0);
+            }
+        }
+    }
+    assert!(hits > 20_000 && ends > 2_000, "{hits} {ends}");
+}
+
+fn group_hits(level: SimdLevel, rays: &[Ray], triangle: &Triangle) -> (u32, GroupHits) {
+    fn body<S: Lanes>(simd: S, rays: &[Ray], triangle: &Triangle) -> (u32, GroupHits) {
+        let (mut group, mut hits) = (RayGroup::NONE, GroupHits::NONE);
+        group.load(simd, &rays[..rays.len().min(GROUP)]);
+        (group.hits(simd, triangle, &mut hits), hits)
+    }
+    #[cfg(target_arch = "x86_64")]
+    if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {
+        return body(simd, rays, triangle);
+    }
+    body(Portable, rays, triangle)
 }
 
 #[test]
@@ -278,31 +408,38 @@ fn only_rays_that_look_for_something_count() {
         11
     ];
     let mut packet = Packet::new();
-    packet.load(SimdLevel::detect(), &rays);
     let mut bundles = 0;
     let enter = |bundled: &mut Bundled| {
         bundles += 1;
         for level in LEVELS {
-            assert_eq!(bundled.meeting(level(), 0, &world.bounds), 0xff);
-            assert_eq!(bundled.meeting(level(), 1, &world.bounds), 0b111);
+            assert_eq!(bundled.meeting(level(), 0b11, &world.bounds), 0x7ff);
+            assert_eq!(bundled.meeting(level(), 0b10, &world.bounds), 0x700);
         }
-        bundled.cut(0, 0, f32::NEG_INFINITY);
+        assert_eq!(bundled.places(), 0x7ff);
+        bundled.cut(0, f32::NEG_INFINITY);
         for level in LEVELS {
-            assert_eq!(bundled.meeting(level(), 0, &world.bounds), 0xfe);
+            assert_eq!(bundled.meeting(level(), 0b11, &world.bounds), 0x7fe);
         }
         assert!(!bundled.is_over());
         for place in 0..11 {
-            bundled.cut(place / GROUP, place % GROUP, f32::NEG_INFINITY);
+            assert!(!bundled.is_over());
+            bundled.cut(place, f32::NEG_INFINITY);
+            bundled.shorten(LEVELS[place % 2](), 0b11);
         }
         assert!(bundled.is_over());
     };
-    packet.part(SimdLevel::detect(), &world.nodes[0], &world.bounds, enter, |_| {
-        panic!("they are coherent")
-    });
-    assert_eq!(bundles, 1);
-    packet.load(SimdLevel::detect(), &[]);
     packet.part(
         SimdLevel::detect(),
+        &rays,
+        &world.nodes[0],
+        &world.bounds,
+        enter,
+        |_| panic!("they are coherent"),
+    );
+    assert_eq!(bundles, 1);
+    packet.part(
+        SimdLevel::detect(),
+        &[],
         &world.nodes[0],
         &world.bounds,
         |_| panic!(),

@@ -1,9 +1,4 @@
-#[cfg(target_arch = "x86_64")]
-use crate::simd::Avx2;
-use crate::{
-    Aabb, Ray,
-    simd::{Lanes, Portable, SimdLevel},
-};
+use crate::{Aabb, Ray, simd::Lanes, triangle::PreparedRay};
 
 /// Rays that are tested at once.
 pub(crate) const GROUP: usize = 8;
@@ -22,15 +17,28 @@ pub(super) struct RayGroup {
     axes: Axes,
 }
 
-/// The two axes across which rays run, and the one along which they are longest, as in
-/// [`PreparedRay`](crate::triangle::PreparedRay).
+/// The two axes across which rays run, and the one along which they are longest, as in [`PreparedRay`].
 #[derive(Clone, Copy, Debug)]
 enum Axes {
-    /// No triangle has been tested yet.
-    Unknown,
     Same([usize; 3]),
     /// The rays do not agree.
     Mixed,
+}
+
+/// Hits of eight rays, lane by lane, as in [`TriangleHit`](crate::triangle::TriangleHit).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GroupHits {
+    pub t: [f32; GROUP],
+    pub u: [f32; GROUP],
+    pub v: [f32; GROUP],
+}
+
+impl GroupHits {
+    pub(crate) const NONE: Self = Self {
+        t: [0.0; GROUP],
+        u: [0.0; GROUP],
+        v: [0.0; GROUP],
+    };
 }
 
 impl RayGroup {
@@ -38,24 +46,61 @@ impl RayGroup {
         rows: [[0.0; GROUP]; 8],
         used: 0,
         shear: [[0.0; GROUP]; 2],
-        axes: Axes::Unknown,
+        axes: Axes::Mixed,
     };
 
-    /// Takes one to eight rays.
+    /// Takes one to eight rays. Whether all of them can hit something.
     #[inline(always)]
-    pub(super) fn load<S: Lanes>(&mut self, simd: S, rays: &[Ray]) {
+    pub(super) fn load<S: Lanes>(&mut self, simd: S, rays: &[Ray]) -> bool {
         let last = rays.len() - 1;
         let mut rows = [simd.splat8(0.0); GROUP];
         for lane in 0..GROUP {
             rows[lane] = simd.load8(bytemuck::cast_ref(&rays[lane.min(last)]));
         }
         let rows = simd.transpose8(rows);
+        let mut sum = simd.splat8(0.0);
         for row in 0..8 {
             simd.store8(rows[row], &mut self.rows[row]);
+            if row < 6 {
+                sum = simd.add8(sum, simd.abs8(rows[row]));
+            }
         }
         self.used = ALL >> (GROUP - 1 - last);
         self.rows[7][last + 1..].fill(f32::NEG_INFINITY);
-        self.axes = Axes::Unknown;
+        self.prepare(simd, [rows[3], rows[4], rows[5]]);
+        // Finite only where all six are.
+        let finite = simd.lt8(sum, simd.splat8(f32::INFINITY));
+        let some = simd.lt8(
+            simd.splat8(0.0),
+            simd.add8(simd.add8(simd.abs8(rows[3]), simd.abs8(rows[4])), simd.abs8(rows[5])),
+        );
+        finite & some & simd.le8(rows[6], rows[7]) == ALL
+    }
+
+    /// As [`PreparedRay::new`].
+    #[inline(always)]
+    fn prepare<S: Lanes>(&mut self, simd: S, direction: [S::F8; 3]) {
+        let [x, y, z] = [
+            simd.abs8(direction[0]),
+            simd.abs8(direction[1]),
+            simd.abs8(direction[2]),
+        ];
+        let y_is_longer = simd.lt8(x, y);
+        let z_is_longest = simd.lt8(simd.max8(y, x), z);
+        let longest = match (y_is_longer & !z_is_longest, z_is_longest) {
+            (0, 0) => 0,
+            (ALL, 0) => 1,
+            (0, ALL) => 2,
+            _ => {
+                self.axes = Axes::Mixed;
+                return;
+            }
+        };
+        let axes = [(longest + 1) % 3, (longest + 2) % 3, longest];
+        self.axes = Axes::Same(axes);
+        for (shear, axis) in self.shear.iter_mut().zip(axes) {
+            simd.store8(simd.div8(direction[axis], direction[longest]), shear);
+        }
     }
 
     /// Per ray, the `t` beyond which no hit matters.
@@ -70,55 +115,18 @@ impl RayGroup {
         self.rows[7][lane] = t;
     }
 
-    /// As [`Bundled::candidates`](super::Bundled::candidates).
-    pub(super) fn candidates(&mut self, level: SimdLevel, corners: &[[f32; 3]; 3]) -> u32 {
-        if let Axes::Unknown = self.axes {
-            self.prepare();
-        }
-        let Axes::Same(axes) = self.axes else {
-            return self.used;
-        };
-        #[cfg(target_arch = "x86_64")]
-        if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {
-            #[target_feature(enable = "avx2,popcnt")]
-            fn compiled(simd: Avx2, group: &RayGroup, axes: [usize; 3], corners: &[[f32; 3]; 3]) -> u32 {
-                group.not_rejected(simd, axes, corners)
-            }
-            #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
-            // SAFETY: an `Avx2` exists only on machines that have both features.
-            return unsafe { compiled(simd, self, axes, corners) };
-        }
-        self.not_rejected(Portable, axes, corners)
-    }
-
-    #[cold]
-    fn prepare(&mut self) {
-        let direction = [&self.rows[3], &self.rows[4], &self.rows[5]];
-        let longest = |lane: usize| {
-            let length = |axis: usize| direction[axis][lane].abs();
-            (1..3).fold(0, |best, axis| if length(axis) > length(best) { axis } else { best })
-        };
-        let z = longest(0);
-        if (1..GROUP).any(|lane| longest(lane) != z) {
-            self.axes = Axes::Mixed;
-            return;
-        }
-        let axes = [(z + 1) % 3, (z + 2) % 3, z];
-        self.axes = Axes::Same(axes);
-        for (shear, axis) in self.shear.iter_mut().zip(axes) {
-            *shear = std::array::from_fn(|lane| direction[axis][lane] / direction[z][lane]);
-        }
-    }
-
-    /// The rays that [`PreparedRay::intersect`](crate::triangle::PreparedRay::intersect) does not reject at once: the very
-    /// numbers of its `f32` edge functions.
+    /// A bit for each ray that hits the triangle in its range, and its hit: bit for bit what [`PreparedRay::intersect`]
+    /// says.
     #[inline(always)]
-    fn not_rejected<S: Lanes>(&self, simd: S, axes: [usize; 3], corners: &[[f32; 3]; 3]) -> u32 {
+    pub(super) fn hits<S: Lanes>(&self, simd: S, corners: &[[f32; 3]; 3], hits: &mut GroupHits) -> u32 {
+        let Axes::Same(axes) = self.axes else {
+            return self.hits_one_by_one(corners, hits);
+        };
         let [x, y, z] = [axes[0] % 3, axes[1] % 3, axes[2] % 3];
         let (origin_x, origin_y) = (simd.load8(&self.rows[x]), simd.load8(&self.rows[y]));
         let origin_z = simd.load8(&self.rows[z]);
         let (shear_x, shear_y) = (simd.load8(&self.shear[0]), simd.load8(&self.shear[1]));
-        let mut sheared = [[origin_x; 2]; 3];
+        let mut sheared = [[origin_x; 3]; 3];
         for (sheared, corner) in sheared.iter_mut().zip(corners) {
             let along_x = simd.sub8(simd.splat8(corner[x]), origin_x);
             let along_y = simd.sub8(simd.splat8(corner[y]), origin_y);
@@ -126,6 +134,7 @@ impl RayGroup {
             *sheared = [
                 simd.sub8(along_x, simd.mul8(shear_x, along_z)),
                 simd.sub8(along_y, simd.mul8(shear_y, along_z)),
+                along_z,
             ];
         }
         let [a, b, c] = sheared;
@@ -136,27 +145,52 @@ impl RayGroup {
         let least = simd.min8(u, simd.min8(v, w));
         let greatest = simd.max8(u, simd.max8(v, w));
         let zero = simd.splat8(0.0);
-        !(simd.lt8(least, zero) & simd.lt8(zero, greatest)) & self.used
+        let undecided = !(simd.lt8(least, zero) & simd.lt8(zero, greatest)) & self.used;
+        if undecided == 0 {
+            return 0;
+        }
+        let [low_z, high_z] = simd.halves(simd.load8(&self.rows[3 + z]));
+        let none = (0, [simd.splat4(0.0); 3]);
+        // Most often neighbours agree, and one half has nothing to decide.
+        let (low, low_hits) = if undecided & 0xf == 0 {
+            none
+        } else {
+            let corners = [widen(simd, a, 0), widen(simd, b, 0), widen(simd, c, 0)];
+            decide(simd, corners, simd.to_f64(low_z))
+        };
+        let (high, high_hits) = if undecided & 0xf0 == 0 {
+            none
+        } else {
+            let corners = [widen(simd, a, 1), widen(simd, b, 1), widen(simd, c, 1)];
+            decide(simd, corners, simd.to_f64(high_z))
+        };
+        let weighted = low | high << 4;
+        let t = simd.join(low_hits[0], high_hits[0]);
+        simd.store8(t, &mut hits.t);
+        simd.store8(simd.join(low_hits[1], high_hits[1]), &mut hits.u);
+        simd.store8(simd.join(low_hits[2], high_hits[2]), &mut hits.v);
+        let (start, end) = (simd.load8(&self.rows[6]), simd.load8(&self.rows[7]));
+        let finite = simd.lt8(simd.abs8(t), simd.splat8(f32::INFINITY));
+        weighted & undecided & finite & simd.le8(start, t) & simd.le8(t, end)
+    }
+
+    #[cold]
+    fn hits_one_by_one(&self, corners: &[[f32; 3]; 3], hits: &mut GroupHits) -> u32 {
+        let mut bits = 0;
+        for lane in (0..GROUP).filter(|lane| self.used >> lane & 1 == 1) {
+            let row: [f32; 8] = std::array::from_fn(|row| self.rows[row][lane]);
+            if let Some(hit) = PreparedRay::new(bytemuck::cast_ref(&row)).and_then(|ray| ray.intersect(corners)) {
+                (hits.t[lane], hits.u[lane], hits.v[lane]) = (hit.t, hit.u, hit.v);
+                bits |= 1 << lane;
+            }
+        }
+        bits
     }
 
     /// As [`Bundled::meeting`](super::Bundled::meeting), for rays of a bundle: `outwards` is by how much planes move, per
     /// axis, and reaches the margin of each of the rays.
-    pub(super) fn meeting(&self, level: SimdLevel, bounds: &Aabb, outwards: [f32; 3]) -> u32 {
-        #[cfg(target_arch = "x86_64")]
-        if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {
-            #[target_feature(enable = "avx2,popcnt")]
-            fn compiled(simd: Avx2, group: &RayGroup, bounds: &Aabb, outwards: [f32; 3]) -> u32 {
-                group.meeting_with(simd, bounds, outwards)
-            }
-            #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
-            // SAFETY: an `Avx2` exists only on machines that have both features.
-            return unsafe { compiled(simd, self, bounds, outwards) };
-        }
-        self.meeting_with(Portable, bounds, outwards)
-    }
-
     #[inline(always)]
-    fn meeting_with<S: Lanes>(&self, simd: S, bounds: &Aabb, outwards: [f32; 3]) -> u32 {
+    pub(super) fn meeting<S: Lanes>(&self, simd: S, bounds: &Aabb, outwards: [f32; 3]) -> u32 {
         let mut enter = [0.0; GROUP];
         let mut exit = [0.0; GROUP];
         for lane in 0..GROUP {
@@ -182,4 +216,36 @@ impl RayGroup {
         }
         simd.le8(enter, exit) & self.used
     }
+}
+
+#[inline(always)]
+fn widen<S: Lanes>(simd: S, [x, y, z]: [S::F8; 3], half: usize) -> [S::D4; 3] {
+    [
+        simd.to_f64(simd.halves(x)[half]),
+        simd.to_f64(simd.halves(y)[half]),
+        simd.to_f64(simd.halves(z)[half]),
+    ]
+}
+
+/// The `f64` part of [`PreparedRay::intersect`], but for the range of `t`: a bit for each ray that hits, and `t`, `u`, `v`.
+#[inline(always)]
+fn decide<S: Lanes>(simd: S, [a, b, c]: [[S::D4; 3]; 3], direction_z: S::D4) -> (u32, [S::F4; 3]) {
+    let u = simd.sub4_f64(simd.mul4_f64(c[0], b[1]), simd.mul4_f64(c[1], b[0]));
+    let v = simd.sub4_f64(simd.mul4_f64(a[0], c[1]), simd.mul4_f64(a[1], c[0]));
+    let w = simd.sub4_f64(simd.mul4_f64(b[0], a[1]), simd.mul4_f64(b[1], a[0]));
+    let zero = simd.splat4_f64(0.0);
+    let below = simd.lt4_f64(u, zero) | simd.lt4_f64(v, zero) | simd.lt4_f64(w, zero);
+    let above = simd.lt4_f64(zero, u) | simd.lt4_f64(zero, v) | simd.lt4_f64(zero, w);
+    let determinant = simd.add4_f64(simd.add4_f64(u, v), w);
+    let infinity = simd.splat4_f64(f64::INFINITY);
+    let negative = simd.lt4_f64(simd.sub4_f64(zero, infinity), determinant) & simd.lt4_f64(determinant, zero);
+    let positive = simd.lt4_f64(zero, determinant) & simd.lt4_f64(determinant, infinity);
+    let sum = simd.add4_f64(simd.mul4_f64(u, a[2]), simd.mul4_f64(v, b[2]));
+    let sum = simd.add4_f64(sum, simd.mul4_f64(w, c[2]));
+    let depth = simd.div4_f64(sum, determinant);
+    let t = simd.to_f32(simd.div4_f64(depth, direction_z));
+    let t = simd.add4(t, simd.splat4(0.0));
+    let second = simd.to_f32(simd.div4_f64(v, determinant));
+    let third = simd.to_f32(simd.div4_f64(w, determinant));
+    (!(below & above) & (negative | positive), [t, second, third])
 }

@@ -8,7 +8,7 @@ pub(super) const MOST_NODES: usize = MAX_BVH_DEPTH + u32::BITS as usize;
 const _: () = assert!(MAX_WIDE_DEPTH <= MOST_NODES);
 
 /// Each node on the way down leaves seven siblings behind, the last one eight children.
-const SIZE: usize = 7 * MOST_NODES + 1;
+pub(super) const SIZE: usize = 7 * MOST_NODES + 1;
 
 /// A child that the ray meets and that was not looked at yet.
 #[derive(Clone, Copy, Debug)]
