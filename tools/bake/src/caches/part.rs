@@ -33,12 +33,6 @@ pub(crate) fn add_caches(
     settings: &BakeSettings,
     progress: &dyn Progress,
 ) -> Result<Vec<Option<CacheReport>>, BakeError> {
-    let cached = model.caches.len() as u64;
-    if cached > 0 {
-        // One step per number of clusters, for the whole and for each segment that gets its own.
-        let rounds = if settings.segments.most > 1 { 2 } else { 1 };
-        progress.stage("caches", cached * settings.motion.max_clusters as u64 * rounds);
-    }
     let mut out = Vec::with_capacity(classes.len());
     for (part, class) in classes.iter_mut().enumerate() {
         out.push(match model.parts[part].cache {

@@ -126,6 +126,7 @@ impl Segment {
         } = decompose_keys(&input, settings, progress);
         let tracks = clusters.iter().map(|track| KeyTrack::new(&track.from_local)).collect();
         let kinds: Vec<TrackKind> = clusters.iter().map(|track| track.kind).collect();
+        progress.stage("cluster boxes", 0);
         let rest_key = keys.start() + rest_key;
         let residual = report.steps.last().map_or(0.0, |step| step.residual);
         let found = (rest_key, residual, report);

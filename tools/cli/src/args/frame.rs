@@ -16,6 +16,10 @@ pub struct FrameArgs {
     /// Folder for frame.html (plots and tables) and frame.json; made if missing [default: no files]
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
+    /// Folder for the baked files, each to be given as SCENE another time: NAME-4^N-TREE.rpose, subdivided N times; made if
+    /// missing [default: no files]
+    #[arg(long, value_name = "FOLDER")]
+    pub keep: Option<PathBuf>,
     /// Subdivide the meshes so many times before they are baked, 0 to 5; each time has four times the triangles
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=5))]
     pub subdivide: u32,

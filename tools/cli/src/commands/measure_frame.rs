@@ -7,7 +7,7 @@ use crate::{
 };
 use restpose_bake::BakeSettings;
 use restpose_measure::frame::{self, FrameReport, FrameScene, measure_frame};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Measures whole frames of each scene.
 pub fn run(args: &FrameArgs, context: &Context) -> Result<Answer, Failure> {
@@ -16,13 +16,21 @@ pub fn run(args: &FrameArgs, context: &Context) -> Result<Answer, Failure> {
     let folder = args.output.as_deref().map(OutputFolder::prepare).transpose()?;
     let settings = args.settings();
     let mut measured: Option<FrameReport> = None;
+    let mut files = Vec::new();
     for paths in &sources {
         let path = source_files::first(paths);
         if sources.len() > 1 {
             context.reporter.set_label(&path.display().to_string());
         }
         context.reporter.stage("import", 0);
-        let mut scene = scene(args, paths)?;
+        let kept = args.keep.as_deref().map(OutputFolder::prepare).transpose()?;
+        let mut scene = scene(args, paths, context)?;
+        scene
+            .bake(&settings, &context.reporter)
+            .map_err(|error| failure(path, error))?;
+        if let Some(folder) = kept.filter(|_| !is_baked(path)) {
+            files.extend(keep(&scene, args.subdivide, path, folder)?);
+        }
         let own = measure_frame(&mut scene, &settings, &context.reporter).map_err(|error| failure(path, error))?;
         match &mut measured {
             Some(all) => all.append(own),
@@ -33,13 +41,31 @@ pub fn run(args: &FrameArgs, context: &Context) -> Result<Answer, Failure> {
     let Some(measured) = measured else {
         return Err(Failure::new(ExitCode::CommandLine, "no scene given".to_owned()));
     };
-    let files = write("frame", &measured, &frame::page(&measured), folder)?;
+    files.extend(write("frame", &measured, &frame::page(&measured), folder)?);
     answer(&measured, lines(&measured), &files, context)
 }
 
-fn scene(args: &FrameArgs, paths: &[PathBuf]) -> Result<FrameScene, Failure> {
+fn is_baked(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "rpose")
+}
+
+fn keep(
+    scene: &FrameScene,
+    subdivisions: u32,
+    source: &Path,
+    mut folder: OutputFolder,
+) -> Result<Vec<PathBuf>, Failure> {
+    let name = source.file_stem().unwrap_or_default().to_string_lossy();
+    for (tree, bytes) in scene.files() {
+        let name = format!("{name}-{}-{}.rpose", 4u32.pow(subdivisions), tree.name());
+        folder.add(&name, bytes)?;
+    }
+    folder.publish()
+}
+
+fn scene(args: &FrameArgs, paths: &[PathBuf], context: &Context) -> Result<FrameScene, Failure> {
     let path = source_files::first(paths);
-    if path.extension().is_some_and(|extension| extension == "rpose") {
+    if is_baked(path) {
         if args.subdivide > 0 {
             let message = format!("{}: a baked file cannot be subdivided; give its source", path.display());
             return Err(Failure::new(ExitCode::CommandLine, message));
@@ -57,6 +83,9 @@ fn scene(args: &FrameArgs, paths: &[PathBuf]) -> Result<FrameScene, Failure> {
         ..args.keyframed.settings()
     };
     let source = source_files::import(paths, &args.frames.settings())?;
+    if args.subdivide > 0 {
+        context.reporter.stage("subdivide", 0);
+    }
     FrameScene::imported(&source.animation, args.subdivide, args.instances, bake).map_err(|error| failure(path, error))
 }
 

@@ -78,7 +78,7 @@ impl<'a> Contest<'a> {
     /// Measures on the threads of a pool.
     pub(super) fn run(
         &mut self,
-        scene: &mut FrameScene,
+        scene: &FrameScene,
         pool: &ThreadPool,
         progress: &dyn Progress,
     ) -> Result<(), MeasureError> {

@@ -27,7 +27,7 @@ pub fn strategy_names() -> Vec<&'static str> {
 
 /// Those that are chosen, for so many threads.
 pub(super) fn contestants(
-    scene: &mut FrameScene,
+    scene: &FrameScene,
     crowd: &Arc<Crowd>,
     settings: &FrameSettings,
     #[cfg_attr(
@@ -38,7 +38,7 @@ pub(super) fn contestants(
 ) -> Result<Vec<Named>, MeasureError> {
     let mut out: Vec<Named> = Vec::new();
     for strategy in STRATEGIES.iter().filter(|strategy| settings.chosen(strategy.name)) {
-        if let Some(file) = scene.file(strategy.tree)? {
+        if let Some(file) = scene.file(strategy.tree) {
             out.push(Named {
                 name: strategy.name,
                 contestant: Box::new(Ours::new(crowd, &file, strategy)?),

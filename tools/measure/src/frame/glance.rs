@@ -49,11 +49,11 @@ pub struct Glance {
 }
 
 /// A row per file, not per strategy: no ray has come yet.
-pub(super) fn glances(scene: &mut FrameScene, settings: &FrameSettings) -> Result<Vec<Glance>, MeasureError> {
+pub(super) fn glances(scene: &FrameScene, settings: &FrameSettings) -> Result<Vec<Glance>, MeasureError> {
     let mut out = Vec::new();
     let mut known: Vec<Arc<File>> = Vec::new();
     for strategy in STRATEGIES.iter().filter(|strategy| settings.chosen(strategy.name)) {
-        let Some(file) = scene.file(strategy.tree)? else {
+        let Some(file) = scene.file(strategy.tree) else {
             continue;
         };
         if known.iter().any(|known| Arc::ptr_eq(known, &file)) {

@@ -53,13 +53,12 @@ pub fn measure_frame(
 ) -> Result<FrameReport, MeasureError> {
     settings.check()?;
     let pools = thread_pools(&settings.threads)?;
-    // Before anything else has taken memory and given it back.
+    scene.bake(settings, progress)?;
+    let scene = &*scene;
+    // Before the measurement has taken memory and given it back.
     let glances = glance::glances(scene, settings)?;
     let mut chosen = STRATEGIES.iter().filter(|strategy| settings.chosen(strategy.name));
-    let file = chosen
-        .find_map(|strategy| scene.file(strategy.tree).transpose())
-        .transpose()?;
-    let Some(file) = file else {
+    let Some(file) = chosen.find_map(|strategy| scene.file(strategy.tree)) else {
         return Err(MeasureError::NoStrategy {
             scene: scene.name.clone(),
         });

@@ -1,5 +1,6 @@
+use super::{ours::STRATEGIES, settings::FrameSettings};
 use crate::{MeasureError, subdivision_limit::check_subdivisions};
-use restpose_bake::{BakeSettings, NoProgress, bake, import::Animation, subdivide::subdivide};
+use restpose_bake::{BakeSettings, Progress, bake, import::Animation, subdivide::subdivide};
 use restpose_formats::{TreeKind, write};
 use restpose_runtime::Asset;
 use std::{sync::Arc, time::Instant};
@@ -11,14 +12,10 @@ const INSTANCE_LIMIT: u64 = 1 << 20;
 pub struct FrameScene {
     pub(super) name: String,
     pub(super) instances: usize,
-    source: Source,
-    /// Files that were made so far, by their settings.
-    files: Vec<(BakeSettings, Arc<File>)>,
-}
-
-enum Source {
-    Animation(Box<(Animation, BakeSettings)>),
-    Baked(Arc<File>),
+    /// What to bake; none where that was done before.
+    source: Option<Box<(Animation, BakeSettings)>>,
+    /// Each with other trees.
+    files: Vec<Arc<File>>,
 }
 
 /// A file in memory.
@@ -30,7 +27,7 @@ pub(super) struct File {
 }
 
 impl FrameScene {
-    /// A source, subdivided so many times and baked by these settings, with the trees of each strategy.
+    /// A source, subdivided so many times, to be baked by these settings, with the trees of each strategy.
     ///
     /// # Errors
     /// [`MeasureError`]: too many subdivisions or instances, or none.
@@ -45,7 +42,7 @@ impl FrameScene {
         Ok(Self {
             name: animation.source_name.clone(),
             instances,
-            source: Source::Animation(Box::new((subdivide(animation, subdivisions), settings))),
+            source: Some(Box::new((subdivide(animation, subdivisions), settings))),
             files: Vec::new(),
         })
     }
@@ -64,35 +61,51 @@ impl FrameScene {
         Ok(Self {
             name,
             instances,
-            source: Source::Baked(Arc::new(file)),
-            files: Vec::new(),
+            source: None,
+            files: vec![Arc::new(file)],
         })
     }
 
-    /// The file with such trees; `None` where it was baked before, with others.
-    pub(super) fn file(&mut self, tree: TreeKind) -> Result<Option<Arc<File>>, MeasureError> {
-        let (animation, settings) = match &self.source {
-            Source::Baked(file) => {
-                return Ok((file.asset.model().meta.tree == tree).then(|| Arc::clone(file)));
+    /// Bakes what the chosen strategies take, where that was not done before.
+    ///
+    /// # Errors
+    /// [`MeasureError`]: the source does not bake.
+    pub fn bake(&mut self, settings: &FrameSettings, progress: &dyn Progress) -> Result<(), MeasureError> {
+        for strategy in STRATEGIES.iter().filter(|strategy| settings.chosen(strategy.name)) {
+            let Some(source) = &self.source else { break };
+            if self.file(strategy.tree).is_some() {
+                continue;
             }
-            Source::Animation(source) => &**source,
-        };
-        let settings = BakeSettings {
-            tree,
-            ..settings.clone()
-        };
-        if let Some((_, file)) = self.files.iter().find(|(known, _)| *known == settings) {
-            return Ok(Some(Arc::clone(file)));
+            let (animation, bake_settings) = &**source;
+            let bake_settings = BakeSettings {
+                tree: strategy.tree,
+                ..bake_settings.clone()
+            };
+            let start = Instant::now();
+            let bytes = write(&bake(animation, &bake_settings, progress)?.model)?;
+            self.files.push(Arc::new(File {
+                asset: Arc::new(Asset::from_bytes(&bytes)?),
+                bytes,
+                bake_seconds: start.elapsed().as_secs_f64(),
+            }));
         }
-        let start = Instant::now();
-        let bytes = write(&bake(animation, &settings, &NoProgress)?.model)?;
-        let file = Arc::new(File {
-            asset: Arc::new(Asset::from_bytes(&bytes)?),
-            bytes,
-            bake_seconds: start.elapsed().as_secs_f64(),
-        });
-        self.files.push((settings, Arc::clone(&file)));
-        Ok(Some(file))
+        Ok(())
+    }
+
+    /// The files, by their trees.
+    pub fn files(&self) -> impl Iterator<Item = (TreeKind, &[u8])> {
+        self.files.iter().map(|file| (file.tree(), file.bytes.as_slice()))
+    }
+
+    /// The file with such trees; `None` where it was baked before, with others.
+    pub(super) fn file(&self, tree: TreeKind) -> Option<Arc<File>> {
+        self.files.iter().find(|file| file.tree() == tree).map(Arc::clone)
+    }
+}
+
+impl File {
+    fn tree(&self) -> TreeKind {
+        self.asset.model().meta.tree
     }
 }
 

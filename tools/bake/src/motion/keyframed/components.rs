@@ -51,18 +51,11 @@ impl Components {
             .iter()
             .map(|corners| corners.map(|corner| welded[corner as usize]))
             .collect();
-        let mut parents: Vec<u32> = (0..welded.len() as u32).collect();
-        for [a, b, c] in &triangles {
-            let low = root(&mut parents, *a);
-            for other in [*b, *c] {
-                let other = root(&mut parents, other);
-                parents[other as usize] = low;
-            }
-        }
+        let labels = labels(welded.len(), &triangles);
         let mut component_of = vec![u32::MAX; welded.len()];
         let mut components: Vec<Component> = Vec::new();
         for (triangle, corners) in triangles.iter().enumerate() {
-            let root = root(&mut parents, corners[0]) as usize;
+            let root = labels[corners[0] as usize] as usize;
             if component_of[root] == u32::MAX {
                 component_of[root] = components.len() as u32;
                 components.push(Component::default());
@@ -77,6 +70,19 @@ impl Components {
         }
         Self { triangles, components }
     }
+}
+
+/// Per point, a point that stands for its component.
+pub(super) fn labels(points: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
+    let mut parents: Vec<u32> = (0..points as u32).collect();
+    for [a, b, c] in triangles {
+        let low = root(&mut parents, *a);
+        for other in [*b, *c] {
+            let other = root(&mut parents, other);
+            parents[other as usize] = low;
+        }
+    }
+    (0..points as u32).map(|point| root(&mut parents, point)).collect()
 }
 
 /// The representative of a point's set; halves the path to it.

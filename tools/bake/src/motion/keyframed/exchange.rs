@@ -6,6 +6,7 @@ use super::{
     states::States,
     tracks::fit_to_rest,
 };
+use crate::Progress;
 use rayon::prelude::*;
 
 /// Rounds that a moved cluster gets to settle before it is first judged.
@@ -34,14 +35,16 @@ pub(super) fn exchange(
     mut best: Refined,
     rest_key: usize,
     turn: &mut impl FnMut(&mut Refined),
+    progress: &dyn Progress,
 ) -> Refined {
-    let neighbours = Neighbours::new(states);
+    let neighbours = Neighbours::new(states.points, &states.triangles);
     let ideals = states.ideal_costs();
     let clusters = best.tracks.len();
     let mut boxes = PointBoxes::new(states, &best.tracks);
     let (mut rank, mut moves) = (0, 0);
     while rank < TRIES.min(clusters.saturating_sub(1)) && moves < clusters {
         moves += 1;
+        progress.advance(1);
         let Some((victim, patch)) = choose(states, &neighbours, &best, &boxes, &ideals, rank) else {
             break;
         };

@@ -39,7 +39,7 @@ pub(super) struct Grown {
 ///
 /// Source: Günther, *Ray Tracing of Dynamic Scenes*, §3.3.2.
 pub(super) fn grow(states: &States, most: usize, settings: &DecomposeSettings, progress: &dyn Progress) -> Grown {
-    let neighbours = Neighbours::new(states);
+    let neighbours = Neighbours::new(states.points, &states.triangles);
     let everything = Members::of_clusters(states, &vec![0; states.triangles.len()], 1);
     let mut search = RestSearch {
         key: 0,

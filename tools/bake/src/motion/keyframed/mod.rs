@@ -3,6 +3,7 @@
 //! Source: Günther, *Ray Tracing of Dynamic Scenes*, §3.3.
 
 mod axes;
+mod coarse;
 mod components;
 mod exchange;
 mod fit;
@@ -87,8 +88,9 @@ pub(crate) struct Decomposition {
 ///
 /// Deterministic: the same bytes on any number of threads.
 ///
-/// `progress` advances by one per number of clusters tried.
+/// `progress` gets a stage that advances by one per number of clusters tried, and one that does so per cluster moved.
 pub(crate) fn decompose_keys(keys: &KeyFrames, settings: &DecomposeSettings, progress: &dyn Progress) -> Decomposition {
+    progress.stage("clusters", settings.max_clusters as u64);
     let begin = Instant::now();
     let mesh = Components::new(keys);
     let sorted = sort_components(keys, &mesh, settings);
@@ -169,42 +171,21 @@ fn cluster(
 ) {
     let most = settings.max_clusters.saturating_sub(out.clusters.len()).max(1);
     let begin = Instant::now();
-    let grown = grow::grow(states, most, settings, progress);
-    let after_grow = Instant::now();
+    let coarse = coarse::coarse(states);
+    out.report.seconds.coarse = begin.elapsed().as_secs_f64();
+    let searched = coarse.as_ref().unwrap_or(states);
     let report = &mut out.report;
-    report.seconds.rest = grown.rest_seconds;
-    report.seconds.relax = (after_grow - begin).as_secs_f64() - grown.rest_seconds;
-    report.rest_key = grown.rest_key;
-    report.rest_candidates = grown.rest_candidates;
-    report.least_squares_cost = grown.steps.last().map_or(0.0, |step| step.cost);
-    report.steps = grown.steps;
-    report.stop = grown.stop;
-    report.ideal_cost = states.ideal_costs().iter().sum::<f64>() * states.unit * states.unit;
-    out.rest_key = grown.rest_key;
-
-    let mut refined = refine::refine(states, grown.clustering.tracks, grown.clustering.tiers);
-    let mut axes_seconds = 0.0;
-    let mut turn_axes = |refined: &mut Refined, search: bool| {
+    report.searched_triangles = searched.triangles.len();
+    let (mut refined, rest_key) = search(searched, most, settings, progress, report);
+    if coarse.is_some() {
         let begin = Instant::now();
-        let turned = if settings.principal_axes {
-            axes::turn_axes(states, refined, search)
-        } else {
-            Vec::new()
-        };
-        axes_seconds += begin.elapsed().as_secs_f64();
-        turned
-    };
-    turn_axes(&mut refined, false);
-    refined = exchange::exchange(states, refined, grown.rest_key, &mut |refined| {
-        turn_axes(refined, false);
-    });
-    let turned = turn_axes(&mut refined, true);
-    refined = refine::refine(states, refined.tracks, refined.tiers);
-    report.seconds.refine = after_grow.elapsed().as_secs_f64() - axes_seconds;
-    report.seconds.axes = axes_seconds;
-    report.turned_clusters = turned.iter().filter(|turned| **turned).count();
+        refined = refine::settle_again(states, refined.tracks, refined.tiers);
+        report.seconds.refine += begin.elapsed().as_secs_f64();
+    }
+    report.ideal_cost = states.ideal_costs().iter().sum::<f64>() * states.unit * states.unit;
     report.cost = refined.cost * states.unit * states.unit;
     report.tiers = refined.tiers;
+    out.rest_key = rest_key;
 
     let members = Members::of_clusters(states, &refined.cluster_of, refined.tracks.len());
     let triangles = sorted
@@ -222,7 +203,52 @@ fn cluster(
         }
         out.clusters.push(ClusterTrack {
             kind: TrackKind::Coherent,
-            from_local: frames::frames_of(states, members, track, grown.rest_key),
+            from_local: frames::frames_of(states, members, track, rest_key),
         });
     }
+}
+
+/// Looks for the clusters; with the key whose points are their rest pose.
+fn search(
+    states: &States,
+    most: usize,
+    settings: &DecomposeSettings,
+    progress: &dyn Progress,
+    report: &mut DecomposeReport,
+) -> (Refined, usize) {
+    let begin = Instant::now();
+    let grown = grow::grow(states, most, settings, progress);
+    let after_grow = Instant::now();
+    report.seconds.rest = grown.rest_seconds;
+    report.seconds.relax = (after_grow - begin).as_secs_f64() - grown.rest_seconds;
+    report.rest_key = grown.rest_key;
+    report.rest_candidates = grown.rest_candidates;
+    report.least_squares_cost = grown.steps.last().map_or(0.0, |step| step.cost);
+    report.steps = grown.steps;
+    report.stop = grown.stop;
+
+    progress.stage("refine clusters", grown.clustering.clusters() as u64);
+    let mut refined = refine::refine(states, grown.clustering.tracks, grown.clustering.tiers);
+    let mut axes_seconds = 0.0;
+    let mut turn_axes = |refined: &mut Refined, search: bool| {
+        let begin = Instant::now();
+        let turned = if settings.principal_axes {
+            axes::turn_axes(states, refined, search)
+        } else {
+            Vec::new()
+        };
+        axes_seconds += begin.elapsed().as_secs_f64();
+        turned
+    };
+    turn_axes(&mut refined, false);
+    let turn = &mut |refined: &mut Refined| {
+        turn_axes(refined, false);
+    };
+    refined = exchange::exchange(states, refined, grown.rest_key, turn, progress);
+    let turned = turn_axes(&mut refined, true);
+    refined = refine::refine(states, refined.tracks, refined.tiers);
+    report.seconds.refine = after_grow.elapsed().as_secs_f64() - axes_seconds;
+    report.seconds.axes = axes_seconds;
+    report.turned_clusters = turned.iter().filter(|turned| **turned).count();
+    (refined, grown.rest_key)
 }

@@ -8,17 +8,18 @@ pub(super) struct Neighbours {
 }
 
 impl Neighbours {
-    pub(super) fn new(states: &States) -> Self {
-        let mut firsts = vec![0u32; states.points + 1];
-        for corner in states.triangles.iter().flatten() {
+    /// `corners` are those of every triangle, below `points`.
+    pub(super) fn new(points: usize, corners: &[[u32; 3]]) -> Self {
+        let mut firsts = vec![0u32; points + 1];
+        for corner in corners.iter().flatten() {
             firsts[*corner as usize + 1] += 1;
         }
-        for point in 0..states.points {
+        for point in 0..points {
             firsts[point + 1] += firsts[point];
         }
         let mut next = firsts.clone();
-        let mut triangles = vec![0; states.triangles.len() * 3];
-        for (triangle, corners) in states.triangles.iter().enumerate() {
+        let mut triangles = vec![0; corners.len() * 3];
+        for (triangle, corners) in corners.iter().enumerate() {
             for corner in corners {
                 triangles[next[*corner as usize] as usize] = triangle as u32;
                 next[*corner as usize] += 1;
@@ -27,7 +28,8 @@ impl Neighbours {
         Self { firsts, triangles }
     }
 
-    fn around(&self, point: u32) -> &[u32] {
+    /// The triangles that touch a point.
+    pub(super) fn around(&self, point: u32) -> &[u32] {
         &self.triangles[self.firsts[point as usize] as usize..self.firsts[point as usize + 1] as usize]
     }
 

@@ -20,6 +20,9 @@ const WORTHWHILE: f64 = 1e-3;
 /// Most rounds.
 const ROUNDS: usize = 40;
 
+/// Most rounds where the maps were refined before, on a coarser mesh.
+const ROUNDS_AGAIN: usize = 4;
+
 /// A clustering by what its fuzzy boxes cost.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Refined {
@@ -47,6 +50,12 @@ pub(super) struct Refined {
 pub(super) fn refine(states: &States, tracks: Vec<Track>, tiers: TierCounts) -> Refined {
     let (start, boxes) = by_cost(states, tracks, tiers);
     settle(states, start, boxes, ROUNDS).0
+}
+
+/// The same where the maps were refined before, on a coarser mesh.
+pub(super) fn settle_again(states: &States, tracks: Vec<Track>, tiers: TierCounts) -> Refined {
+    let (start, boxes) = by_cost(states, tracks, tiers);
+    settle(states, start, boxes, ROUNDS_AGAIN).0
 }
 
 /// The rounds of [`refine`] from what [`by_cost`] found.

@@ -4,6 +4,8 @@ use serde::Serialize;
 /// What the decomposition of one mesh over a range of keys found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct DecomposeReport {
+    /// Triangles of the mesh on which clusters were looked for: a coarser one where there are many.
+    pub searched_triangles: usize,
     /// Key whose points are the rest pose of the clustering.
     pub rest_key: usize,
     /// Keys that were tried as rest pose each time; fewer than all with a rest step, or where all pairs of keys would
@@ -75,6 +77,8 @@ pub enum StopReason {
 pub struct DecomposeSeconds {
     /// Welding, components, static and rigid ones, normalising.
     pub components: f64,
+    /// Making a coarser mesh.
+    pub coarse: f64,
     /// Searches for the rest pose.
     pub rest: f64,
     /// Relaxation.

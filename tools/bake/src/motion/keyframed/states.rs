@@ -80,6 +80,35 @@ impl States {
         states
     }
 
+    /// Some of its points, ascending, under other triangles, which are numbered among these; scale and centres stay.
+    pub(super) fn part(&self, points: &[u32], triangles: Vec<[u32; 3]>) -> Self {
+        let mut blocks = vec![0.0f32; points.len().div_ceil(LANES) * self.keys * 3 * LANES];
+        blocks
+            .par_chunks_mut(self.keys * 3 * LANES)
+            .zip(points.par_chunks(LANES))
+            .for_each(|(block, points)| {
+                for (key, rows) in block.chunks_exact_mut(3 * LANES).enumerate() {
+                    for (lane, point) in points.iter().enumerate() {
+                        let from = self.rows(*point as usize / LANES, key);
+                        for (axis, row) in from.into_iter().enumerate() {
+                            rows[axis * LANES + lane] = row[*point as usize % LANES];
+                        }
+                    }
+                }
+            });
+        let mut part = Self {
+            keys: self.keys,
+            points: points.len(),
+            blocks,
+            centres: self.centres.clone(),
+            unit: self.unit,
+            triangles,
+            weights: Vec::new(),
+        };
+        part.weigh();
+        part
+    }
+
     fn weigh(&mut self) {
         let sums: Vec<f64> = (0..self.triangles.len())
             .into_par_iter()
