@@ -275,7 +275,9 @@ fn bundles_visit_what_each_ray_visits_alone() {
             let mut out = Vec::new();
             let enter = |bundled: &mut Bundled| {
                 let (mut leaves, mut alone) = (Vec::new(), Vec::new());
-                let together = bundled.in_world(&world.nodes).unwrap();
+                let Some(together) = bundled.in_world(&world.nodes) else {
+                    return;
+                };
                 let mut visit = |part: Part, bundled: &mut Bundled| {
                     match part {
                         Part::Leaf { leaf, groups } => {
