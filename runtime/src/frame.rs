@@ -3,7 +3,8 @@ use crate::{
     cluster_frame::Way,
     excess::Motions,
     instance::Instance,
-    trace::{Answer, RayOrder, TraceContext, trace, trace_among, trace_together},
+    simd::prefetch,
+    trace::{Answer, RayOrder, TraceContext, place, trace, trace_among, trace_together},
 };
 
 /// Rays of a batch that one task traces.
@@ -12,6 +13,9 @@ const RAYS_PER_TASK: usize = 256;
 
 /// Rays that are sorted at once, 2¹⁸: what that takes, some 10 MiB, stays bounded, and tasks are many.
 const RAYS_SORTED: usize = 1 << 18;
+
+/// Sorted rays are far from each other in memory: so many before its turn each is asked for.
+const RAYS_AHEAD: usize = 8;
 
 /// A scene that is ready for rays. Copy it freely; any number of threads may trace it at once.
 #[derive(Clone, Copy, Debug)]
@@ -155,14 +159,17 @@ impl Frame<'_> {
                     );
                 });
                 order.sort(rays, &self.bounds());
-                let (places, hits) = order.split();
+                let (places, hits) = order.sorted();
                 self.in_tasks(places.len(), hits, |first, hits, context| {
-                    for (place, hit) in places[first..].iter().zip(hits) {
-                        *hit = A::find(self.scene, &rays[*place as u32 as usize], 0.0, context);
+                    for (at, hit) in (first..).zip(hits) {
+                        if let Some(later) = places.get(at + RAYS_AHEAD) {
+                            prefetch(std::slice::from_ref(&rays[place(*later)]));
+                        }
+                        *hit = A::find(self.scene, &rays[place(places[at])], 0.0, context);
                     }
                 });
-                for (place, hit) in places.iter().zip(hits) {
-                    answers[*place as u32 as usize] = A::of(*hit);
+                for (key, hit) in places.iter().zip(hits) {
+                    answers[place(*key)] = A::of(*hit);
                 }
             });
         }

@@ -18,7 +18,7 @@ mod walk;
 
 pub(crate) use batch::{Answer, trace_together};
 pub(crate) use context::TraceContext;
-pub(crate) use ray_order::RayOrder;
+pub(crate) use ray_order::{RayOrder, place};
 pub(crate) use walk::Hierarchy;
 
 use crate::{

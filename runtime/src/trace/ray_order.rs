@@ -50,8 +50,8 @@ impl RayOrder {
         self.hits.resize(self.keys.len(), None);
     }
 
-    /// Places of the rays in their order, and room for the hit of each.
-    pub(crate) fn split(&mut self) -> (&[u64], &mut [Option<Hit>]) {
+    /// Keys of the rays in their order, which tell their [`place`]s, and room for the hit of each.
+    pub(crate) fn sorted(&mut self) -> (&[u64], &mut [Option<Hit>]) {
         (&self.keys, &mut self.hits)
     }
 
@@ -66,6 +66,12 @@ impl RayOrder {
             Err(_) => batch(&mut Self::default()),
         })
     }
+}
+
+/// The place of a ray in the batch, by its key.
+#[inline]
+pub(crate) fn place(key: u64) -> usize {
+    key as u32 as usize
 }
 
 /// Along a curve of Morton's: which cell of the bounds the ray enters first. Any will do where something overflows.
@@ -90,4 +96,63 @@ fn spread(mut x: u32) -> u32 {
     x = (x | x << 8) & 0x0300_f00f;
     x = (x | x << 4) & 0x030c_30c3;
     (x | x << 2) & 0x0924_9249
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOUNDS: Aabb = Aabb {
+        min: [-1.0; 3],
+        max: [1.0, 1.0, 3.0],
+    };
+
+    #[test]
+    fn rays_that_go_alone_are_each_there_once() {
+        let mut random = fastrand::Rng::with_seed(37);
+        let mut order = RayOrder::default();
+        for count in [0, 1, 63, 64, 65, 1_000, 130] {
+            let mut number = || match random.u8(..12) {
+                0 => f32::NAN,
+                1 => f32::INFINITY,
+                2 => 0.0,
+                3 => -1e38,
+                _ => random.f32() * 4.0 - 2.0,
+            };
+            let mut three = || std::array::from_fn(|_| number());
+            let rays: Vec<Ray> = (0..count).map(|_| Ray::new(three(), three())).collect();
+            order.begin(count);
+            let mut expected = Vec::new();
+            for first in (0..count).step_by(64) {
+                let places = (first..count).take(64).filter(|_| random.bool());
+                let alone = places.inspect(|place| expected.push(*place));
+                order.leave(first, alone.fold(0, |alone, place| alone | 1 << (place - first)));
+            }
+            order.sort(&rays, &BOUNDS);
+            let (keys, hits) = order.sorted();
+            assert_eq!(keys.len(), hits.len());
+            let mut found: Vec<usize> = keys.iter().map(|key| place(*key)).collect();
+            found.sort_unstable();
+            assert_eq!(found, expected);
+        }
+    }
+
+    #[test]
+    fn rays_that_enter_near_each_other_follow_each_other() {
+        // From inside, and from outside towards the same corner: the other corner's come between them in the batch.
+        let (low, high) = ([-0.9; 3], [0.9, 0.9, 2.9]);
+        let towards = |point: [f32; 3]| Ray::between([point[0], point[1], 9.0], point);
+        let rays = [
+            Ray::new(low, [0.0, 1.0, 0.0]),
+            Ray::new(high, [1.0, 0.0, 0.0]),
+            Ray::new(low, [0.0, 0.0, -1.0]),
+            towards(high),
+        ];
+        let mut order = RayOrder::default();
+        order.begin(rays.len());
+        order.leave(0, 0b1111);
+        order.sort(&rays, &BOUNDS);
+        let places: Vec<usize> = order.sorted().0.iter().map(|key| place(*key)).collect();
+        assert_eq!(places, [0, 2, 1, 3]);
+    }
 }
