@@ -5,6 +5,7 @@ use crate::{
     instance::Instance,
     simd::prefetch,
     trace::{Answer, RayOrder, TraceContext, place, trace, trace_among, trace_together},
+    wide::PACKET,
 };
 
 /// Rays of a batch that one task traces.
@@ -13,6 +14,11 @@ const RAYS_PER_TASK: usize = 256;
 
 /// Rays that are sorted at once, 2¹⁸: what that takes, some 10 MiB, stays bounded, and tasks are many.
 const RAYS_SORTED: usize = 1 << 18;
+
+// A packet of rays is in one task, which alone says which of its rays go alone.
+#[cfg(feature = "parallel")]
+const _: () = assert!(RAYS_PER_TASK.is_multiple_of(PACKET));
+const _: () = assert!(RAYS_SORTED.is_multiple_of(PACKET));
 
 /// Sorted rays are far from each other in memory: so many before its turn each is asked for.
 const RAYS_AHEAD: usize = 8;
@@ -143,20 +149,16 @@ impl Frame<'_> {
         self.batch(rays, occluded);
     }
 
-    /// Coherent rays first, then the others in an order of their own.
+    /// Coherent rays first, then those that are in no bundle in an order of their own.
     fn batch<A: Answer>(&self, rays: &[Ray], answers: &mut [A]) {
         assert_eq!(rays.len(), answers.len(), "one answer per ray");
         for (rays, answers) in rays.chunks(RAYS_SORTED).zip(answers.chunks_mut(RAYS_SORTED)) {
             RayOrder::with(|order| {
                 order.begin(rays.len());
                 self.in_tasks(rays.len(), answers, |first, answers, context| {
-                    trace_together(
-                        self.scene,
-                        &rays[first..][..answers.len()],
-                        answers,
-                        context,
-                        |place, alone| order.leave(first + place, alone),
-                    );
+                    trace_together(self.scene, &rays[first..], answers, context, |place, alone| {
+                        order.leave(first + place, alone)
+                    });
                 });
                 order.sort(rays, &self.bounds());
                 let (places, hits) = order.sorted();

@@ -188,8 +188,8 @@ pub(crate) struct BoneImages(Vec<BoneImage>);
 #[derive(Clone, Copy, Debug)]
 struct BoneImage([[f32; 8]; 4]);
 
-/// Writes the world boxes of the clusters without a track, by row, in place of what is in `out`. `posed` holds world space from rest space per bone row, as
-/// vertices are posed by it; `morphed` is the [`morph_extent`](crate::posed_bounds::morph_extent).
+/// Writes the world boxes of the clusters without a track, by row, in place of what is in `out`. `posed` holds world space
+/// from rest space per bone row, as vertices are posed by it; `morphed` is the [`morph_extent`](crate::posed_bounds::morph_extent).
 pub(crate) fn cluster_bounds(
     level: SimdLevel,
     asset: &Asset,

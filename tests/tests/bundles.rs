@@ -175,3 +175,23 @@ fn rays_that_are_far_apart_answer_what_single_rays_do() {
     }
     assert!(hits > 2_000, "{hits}");
 }
+
+/// More rays than are sorted at once.
+#[test]
+fn large_batches_answer_what_single_rays_do() {
+    let path = sample_scenes()
+        .into_iter()
+        .find(|path| path.ends_with("walker.glb"))
+        .unwrap();
+    let asset = baked_with(&import(&path).unwrap().animation, &BakeSettings::default());
+    let mut scene = Scene::new();
+    scene.add(&asset);
+    let frame = scene.commit();
+    let bounds = frame.bounds();
+    let mut random = fastrand::Rng::with_seed(41);
+    let mut point =
+        || std::array::from_fn(|k| bounds.min[k] + (bounds.max[k] - bounds.min[k]) * (3.0 * random.f32() - 1.0));
+    let rays: Vec<Ray> = (0..(1 << 18) + 100).map(|_| Ray::between(point(), point())).collect();
+    let hits = assert_alike("large", &frame, &rays);
+    assert!(hits > 1_000, "{hits}");
+}

@@ -232,13 +232,12 @@ impl Prepared {
         (state, state.posed(first, self, asset, &self.bounds[slot], motions))
     }
 
-    /// Does what the rays that came are worth, for so many that enter now. Where that is not the whole, they are to be
-    /// [counted](Self::count) when it is known what they cost.
+    /// Does what the rays that came are worth, for those that enter now. They are to be [counted](Self::count) when it is known
+    /// what they cost; where it is the whole, as [many](Self::count_whole) as they are.
     #[inline]
-    pub(crate) fn enter(&self, pool: &PreparedPool, rays: u32) -> Option<&Whole> {
+    pub(crate) fn enter(&self, pool: &PreparedPool) -> Option<&Whole> {
         let limits = &self.limits;
         if let Some(whole) = self.whole.get() {
-            self.demand.count_later(rays, limits);
             return Some(whole);
         }
         if limits.is_whole_due(&self.demand, || pool.wholes.in_use()) {
@@ -250,6 +249,12 @@ impl Prepared {
             self.memo.get_or_make(&pool.memos, |memo| memo.begin(vertices));
         }
         None
+    }
+
+    /// Counts rays that went through the whole.
+    #[inline]
+    pub(crate) fn count_whole(&self, rays: u32) {
+        self.demand.count_later(rays, &self.limits);
     }
 
     /// Counts a ray that tested so many triangles on its way through the clusters.

@@ -1,4 +1,4 @@
-/// Asks for memory that is about to be read. Changes nothing but time.
+/// Asks for memory that is about to be read or written. Changes nothing but time.
 #[inline]
 pub(crate) fn prefetch<T>(things: &[T]) {
     #[cfg(target_arch = "x86_64")]

@@ -183,11 +183,12 @@ impl Bundle<'_> {
     ) {
         let scene = self.scene;
         if let Some(Instance::Asset(instance)) = scene.in_slot(index) {
-            let rays = groups.count_ones() * GROUP as u32;
-            let whole = instance.prepared().enter(instance.pool(), rays);
-            if let Some(whole) = whole.filter(|whole| !whole.nodes.is_empty())
+            let prepared = instance.prepared();
+            let whole = prepared.enter(instance.pool()).filter(|whole| !whole.nodes.is_empty());
+            if let Some(whole) = whole
                 && self.enter_whole::<ANY>(scene.id(index), instance, whole, bundled, context)
             {
+                prepared.count_whole(groups.count_ones() * GROUP as u32);
                 return;
             }
         }

@@ -120,7 +120,11 @@ fn enter_instance<const ANY: bool>(
                 prepared: moments.prepared_at(scene, index, instance, time),
                 simd: scene.simd,
             };
-            match actor.prepared.enter(instance.pool(), 1) {
+            let whole = actor.prepared.enter(instance.pool());
+            if whole.is_some() {
+                actor.prepared.count_whole(1);
+            }
+            match whole {
                 Some(whole) if !whole.nodes.is_empty() => {
                     enter_whole::<ANY>(&actor, whole, start, traveller, stack, counters)
                 }

@@ -45,6 +45,10 @@ impl RayOrder {
                     .push(u64::from(cell(&rays[place], bounds, scale)) << 32 | place as u64);
             }
         }
+        // Keys are unique, so there is one order.
+        #[cfg(feature = "parallel")]
+        rayon::slice::ParallelSliceMut::par_sort_unstable(&mut self.keys[..]);
+        #[cfg(not(feature = "parallel"))]
         self.keys.sort_unstable();
         self.hits.clear();
         self.hits.resize(self.keys.len(), None);

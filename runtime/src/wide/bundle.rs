@@ -99,9 +99,7 @@ impl RayBundle {
         let margin = WORLD_RAY_ERROR * (0..3).fold(0.0, far) + FLOOR;
         std::array::from_fn(|k| ORIGIN_SLACK * low[k].abs().max(high[k].abs()) + margin)
     }
-}
 
-impl RayBundle {
     /// Roughly which part of the cross-section of `bounds` the bundle covers, up to `limit`: what it may meet that each of
     /// its rays alone does not.
     ///

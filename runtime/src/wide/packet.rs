@@ -55,8 +55,9 @@ impl Packet {
             return;
         }
         let bundle = RayBundle::around(level, rays);
-        if let Some(wide) = bundle.and_then(|bundle| WideBundle::new(&bundle, bounds))
-            && !wide.meets_any(level, root, wide_end(&bundle))
+        if let Some(bundle) = bundle
+            && let Some(wide) = WideBundle::new(&bundle, bounds)
+            && !wide.meets_any(level, root, bundle.end)
         {
             return;
         }
@@ -100,11 +101,6 @@ impl Packet {
         }
         body(Portable, self, rays)
     }
-}
-
-/// Behind the greatest `t_max` of a bundle's rays.
-fn wide_end(bundle: &Option<RayBundle>) -> f32 {
-    bundle.map_or(f32::INFINITY, |bundle| bundle.end)
 }
 
 /// Nodes that a bundle is expected to meet, for each of its rays, at which the rays are faster alone. Bundles part by

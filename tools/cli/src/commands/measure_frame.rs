@@ -7,12 +7,18 @@ use crate::{
 };
 use restpose_bake::BakeSettings;
 use restpose_measure::frame::{self, FrameReport, FrameScene, measure_frame};
-use std::path::{Path, PathBuf};
+use std::{
+    collections::HashMap,
+    path::{Path, PathBuf},
+};
 
 /// Measures whole frames of each scene.
 pub fn run(args: &FrameArgs, context: &Context) -> Result<Answer, Failure> {
     let sources: Vec<Vec<PathBuf>> = args.scenes.iter().map(|scene| source_files::joined(scene)).collect();
     sources.iter().try_for_each(|paths| source_files::check(paths))?;
+    if args.keep.is_some() {
+        check_names(&sources)?;
+    }
     let folder = args.output.as_deref().map(OutputFolder::prepare).transpose()?;
     let settings = args.settings();
     let mut measured: Option<FrameReport> = None;
@@ -43,6 +49,21 @@ pub fn run(args: &FrameArgs, context: &Context) -> Result<Answer, Failure> {
     };
     files.extend(write("frame", &measured, &frame::page(&measured), folder)?);
     answer(&measured, lines(&measured), &files, context)
+}
+
+/// Refuses sources whose kept files would have one name.
+fn check_names(sources: &[Vec<PathBuf>]) -> Result<(), Failure> {
+    let mut known = HashMap::new();
+    for path in sources.iter().map(|paths| source_files::first(paths)) {
+        let stem = path.file_stem().filter(|_| !is_baked(path));
+        if let Some(other) = stem.and_then(|stem| known.insert(stem, path)) {
+            let (other, path) = (other.display(), path.display());
+            let message =
+                format!("{other}, {path}: --keep would write both to one file; measure them one after the other");
+            return Err(Failure::new(ExitCode::CommandLine, message));
+        }
+    }
+    Ok(())
 }
 
 fn is_baked(path: &Path) -> bool {

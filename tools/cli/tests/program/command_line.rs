@@ -156,7 +156,7 @@ const USAGE: [Case; 33] = [
 ];
 
 /// What does not fit the files.
-const FILES: [Case; 22] = [
+const FILES: [Case; 23] = [
     (
         &["bake", "door.gltf", "-o", "new.bin"],
         1,
@@ -229,6 +229,11 @@ const FILES: [Case; 22] = [
         &["render", "door.rpose", "-o", "new", "--from", "0.9", "--to", "0.1"],
         1,
         "--from 0.9 lies after --to 0.1",
+    ),
+    (
+        &["measure", "frame", "door.gltf", "door.gltf", "--keep", "new"],
+        1,
+        "--keep would write both to one file",
     ),
     (
         &["demo", "--scenes", "none", "-o", "new"],

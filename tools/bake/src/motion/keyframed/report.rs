@@ -4,7 +4,8 @@ use serde::Serialize;
 /// What the decomposition of one mesh over a range of keys found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct DecomposeReport {
-    /// Triangles of the mesh on which clusters were looked for: a coarser one where there are many.
+    /// Triangles of the mesh on which clusters were looked for: a coarser one where there are many. `steps`, `stop` and
+    /// `least_squares_cost` are about that one, costs and tiers beside them about the whole mesh.
     pub searched_triangles: usize,
     /// Key whose points are the rest pose of the clustering.
     pub rest_key: usize,
