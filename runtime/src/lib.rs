@@ -28,7 +28,8 @@
 //! touched.
 //!
 //! [`InstanceState`]s are past or future poses: [`Scene::state`], [`Scene::set_state`], and for rays with times of their own
-//! [`Scene::set_motion`] and [`Frame::closest_hit_at`].
+//! [`Scene::set_motion`] and [`Frame::closest_hit_at`]. [`Frame::closest_hit_among`] passes through some instances, such
+//! as the one that shoots.
 //!
 //! # Files and poses
 //!

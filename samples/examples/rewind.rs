@@ -26,8 +26,6 @@ const PER_OWN_PALETTE: usize = 10;
 const ARENA: f32 = 40.0;
 /// Metres between shooter and target at most.
 const RANGE: f32 = 15.0;
-/// A shot begins so many metres from its shooter's middle, beyond the own arms.
-const REACH: f32 = 0.6;
 /// Ticks that shots are late, 60 ms to a second: some come when their tick is forgotten.
 const LATENESS: std::ops::Range<u64> = 4..68;
 
@@ -95,6 +93,7 @@ struct Shot {
     seen: u64,
     /// The tick in which the server hears of it.
     heard: u64,
+    shooter: InstanceId,
     ray: Ray,
     hit: Hit,
 }
@@ -178,18 +177,18 @@ impl Game {
         let from = self.players[shooter].place(tick) + 1.5 * Vec3::Y;
         let line = self.players[target].place(tick) + 1.2 * Vec3::Y - from;
         let length = line.length();
-        if !(2.0 * REACH..=RANGE).contains(&length) {
+        if shooter == target || length > RANGE {
             return None;
         }
         // At length one, so that t counts in metres.
-        let ray = Ray {
-            t_min: REACH,
-            ..Ray::new(from.to_array(), (line / length).to_array())
-        };
-        let hit = self.present.commit().closest_hit(&ray)?;
-        (hit.instance == self.ids[target]).then(|| Shot {
+        let ray = Ray::new(from.to_array(), (line / length).to_array());
+        let [shooter, target] = [shooter, target].map(|player| self.ids[player]);
+        // A shot passes through the player who fires it.
+        let hit = self.present.commit().closest_hit_among(&ray, |id| id != shooter)?;
+        (hit.instance == target).then(|| Shot {
             seen: tick,
             heard: tick + chance.u64(LATENESS),
+            shooter,
             ray,
             hit,
         })
@@ -198,20 +197,21 @@ impl Game {
     /// Judges a shot in the tick that its shooter saw.
     fn judge(&mut self, shot: &Shot, verdicts: &mut Verdicts) -> Result<(), Box<dyn Error>> {
         let present = self.present.commit();
-        let now = present.closest_hit(&shot.ray);
+        let others = |id| id != shot.shooter;
+        let now = present.closest_hit_among(&shot.ray, others);
 
         let Some(states) = self.ring.at(shot.seen) else {
             verdicts.too_late += 1;
             return Ok(());
         };
         let start = Instant::now();
-        let judged = rewound(&mut self.past, &self.ids, states)?.closest_hit(&shot.ray);
+        let judged = rewound(&mut self.past, &self.ids, states)?.closest_hit_among(&shot.ray, others);
         verdicts.micros.push(start.elapsed().as_secs_f64() * 1e6);
 
         if judged != Some(shot.hit) {
             return Err(format!("seen as {:?}, judged as {judged:?}", shot.hit).into());
         }
-        if present.closest_hit(&shot.ray) != now {
+        if present.closest_hit_among(&shot.ray, others) != now {
             return Err("judging the past has changed the present".into());
         }
         verdicts.judged += 1;
