@@ -78,6 +78,7 @@ mod refitted_tree;
 mod relative_motions;
 mod rest_boxes;
 mod scene;
+mod set_bits;
 pub mod simd;
 mod stats;
 mod surface;

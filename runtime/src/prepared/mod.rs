@@ -27,6 +27,7 @@ use crate::{
     posed_maps::posed_maps,
     posing::{Demand, PosingLimits},
     rest_boxes::{BoneImages, cluster_bounds},
+    set_bits::set_bits,
     simd::{SimdLevel, prefetch},
     stats::Count,
     top_level::TopLevel,
@@ -189,11 +190,8 @@ impl Prepared {
 
     fn forget_clusters(&mut self) {
         for (word, entered) in self.entered.iter_mut().enumerate() {
-            let mut mask = std::mem::take(entered.get_mut());
-            while mask != 0 {
-                let slot = word * u64::BITS as usize + mask.trailing_zeros() as usize;
-                mask &= mask - 1;
-                self.clusters[slot].forget();
+            for bit in set_bits(std::mem::take(entered.get_mut())) {
+                self.clusters[word * u64::BITS as usize + bit].forget();
             }
         }
     }

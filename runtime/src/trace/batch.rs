@@ -6,8 +6,9 @@ use crate::{
     instance::Instance,
     prepared::Whole,
     scene::Scene,
+    set_bits::set_bits,
     simd::prefetch,
-    wide::{self, Bundled, GROUP, GroupHits, PACKET, Part, WideRay, set_bits, walk_together},
+    wide::{self, Bundled, GROUP, GroupHits, PACKET, Part, WideRay, walk_together},
 };
 use std::cell::Cell;
 

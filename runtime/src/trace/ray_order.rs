@@ -1,4 +1,4 @@
-use crate::{Aabb, Hit, Ray};
+use crate::{Aabb, Hit, Ray, set_bits::set_bits};
 use std::{
     cell::RefCell,
     sync::atomic::{AtomicU64, Ordering::Relaxed},
@@ -36,14 +36,11 @@ impl RayOrder {
         let longest = (0..3).fold(0.0, |longest: f32, k| longest.max(bounds.max[k] - bounds.min[k]));
         let scale = CELLS / longest;
         self.keys.clear();
-        for (word, mask) in self.alone.iter().enumerate() {
-            let mut mask = mask.load(Relaxed);
-            while mask != 0 {
-                let place = word * u64::BITS as usize + mask.trailing_zeros() as usize;
-                mask &= mask - 1;
-                self.keys
-                    .push(u64::from(cell(&rays[place], bounds, scale)) << 32 | place as u64);
-            }
+        for (word, alone) in self.alone.iter().enumerate() {
+            self.keys.extend(set_bits(alone.load(Relaxed)).map(|bit| {
+                let place = word * u64::BITS as usize + bit;
+                u64::from(cell(&rays[place], bounds, scale)) << 32 | place as u64
+            }));
         }
         // Keys are unique, so there is one order.
         #[cfg(feature = "parallel")]

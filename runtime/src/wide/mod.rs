@@ -36,7 +36,7 @@ mod walk;
 pub(crate) use collapse::collapse;
 pub(crate) use fuzzy_ray::FuzzyRay;
 pub(crate) use node::{WideNode, append_rows};
-pub(crate) use packet::{Bundled, PACKET, Packet, set_bits};
+pub(crate) use packet::{Bundled, PACKET, Packet};
 pub(crate) use packet_walk::{PacketStack, Part, walk_together};
 pub(crate) use ray::WideRay;
 pub(crate) use ray_group::{GROUP, GroupHits};

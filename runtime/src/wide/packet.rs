@@ -8,6 +8,7 @@ use super::{
 use crate::simd::Avx2;
 use crate::{
     Aabb, Ray,
+    set_bits::set_bits,
     simd::{Lanes, Portable, SimdLevel},
 };
 use std::ops::Range;
@@ -286,14 +287,4 @@ impl<'a> Bundled<'a> {
     pub(crate) fn is_over(&self) -> bool {
         self.limit == f32::NEG_INFINITY
     }
-}
-
-/// The places of set bits.
-#[inline]
-pub(crate) fn set_bits(mut bits: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let place = (bits != 0).then(|| bits.trailing_zeros() as usize);
-        bits &= bits.wrapping_sub(1);
-        place
-    })
 }

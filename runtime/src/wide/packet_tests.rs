@@ -5,6 +5,7 @@ use crate::{
     Aabb, Ray,
     build::{Bvh, BvhSettings, CheckedBoxes, StreamedBvh},
     cluster_frame::SlabRay,
+    set_bits::set_bits,
     simd::{Lanes, Portable, SimdLevel},
     triangle::{PreparedRay, TriangleHit},
 };
