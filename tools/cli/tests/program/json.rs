@@ -139,7 +139,12 @@ fn measure_frame_prints_its_keys() {
         "out",
     ];
     let measure = [&["measure", "frame", scene.as_str(), scene.as_str()], &least[..]].concat();
-    agree("measure frame", folder.path(), &[&measure]);
+    // What is kept of one measurement is the scene of the next.
+    let keep = [&["measure", "frame", scene.as_str(), "--keep", "kept"], &least[..]].concat();
+    agree("measure frame", folder.path(), &[&measure, &keep]);
+    let again = [&["measure", "frame", "kept/walker-1-wide.rpose"], &least[..]].concat();
+    let run = restpose(folder.path(), &again);
+    assert_eq!(run.code, 0, "{run:?}");
     for name in ["frame.html", "frame.json"] {
         assert!(folder.path().join("out").join(name).is_file(), "{name}");
     }
