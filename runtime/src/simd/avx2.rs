@@ -139,6 +139,34 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn sort8(self, a: __m256, b: __m256, tags: &[u32; 8], to: (&mut [f32; 8], &mut [u32; 8])) -> usize {
+        // SAFETY: see above; 32 bytes each.
+        unsafe {
+            let counts = _mm256_cmp_ps::<_CMP_LE_OQ>(a, b);
+            let bits = _mm256_castps_si256(a);
+            let flipped = _mm256_srli_epi32::<1>(_mm256_srai_epi32::<31>(bits));
+            let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+            let keys = _mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_xor_si256(bits, flipped));
+            let keys = _mm256_or_si256(keys, lanes);
+            let least = _mm256_castsi256_ps(_mm256_set1_epi32(i32::MIN));
+            let keys = _mm256_castps_si256(_mm256_blendv_ps(least, _mm256_castsi256_ps(keys), counts));
+            // Batcher's bitonic network: in each step, the greater of two goes to the lower lane.
+            let keys = exchange::<0b10_10_10_10>(keys, _mm256_shuffle_epi32::<0b10_11_00_01>(keys));
+            let keys = exchange::<0b11_00_11_00>(keys, _mm256_shuffle_epi32::<0b00_01_10_11>(keys));
+            let keys = exchange::<0b10_10_10_10>(keys, _mm256_shuffle_epi32::<0b10_11_00_01>(keys));
+            let reversed = _mm256_permutevar8x32_epi32(keys, _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0));
+            let keys = exchange::<0b11_11_00_00>(keys, reversed);
+            let keys = exchange::<0b11_00_11_00>(keys, _mm256_shuffle_epi32::<0b01_00_11_10>(keys));
+            let keys = exchange::<0b10_10_10_10>(keys, _mm256_shuffle_epi32::<0b10_11_00_01>(keys));
+            // Of an index, three bits count.
+            let tags = _mm256_permutevar8x32_epi32(_mm256_loadu_si256(tags.as_ptr().cast()), keys);
+            _mm256_storeu_si256(to.1.as_mut_ptr().cast(), tags);
+            _mm256_storeu_ps(to.0.as_mut_ptr(), _mm256_permutevar8x32_ps(a, keys));
+            _popcnt32(_mm256_movemask_ps(counts)) as usize
+        }
+    }
+
+    #[inline(always)]
     fn max8_counting(self, a: __m256, b: __m256) -> __m256 {
         // SAFETY: see above.
         unsafe {
@@ -298,5 +326,19 @@ impl Lanes for Avx2 {
             }
         }
         ranks
+    }
+}
+
+/// Lanes of `UPPER` from the lesser of two, the others from the greater.
+///
+/// # Safety
+///
+/// The machine has AVX2.
+#[inline(always)]
+unsafe fn exchange<const UPPER: i32>(a: __m256i, b: __m256i) -> __m256i {
+    // SAFETY: as the caller's.
+    unsafe {
+        let (least, greatest) = (_mm256_min_epi32(a, b), _mm256_max_epi32(a, b));
+        _mm256_blend_epi32::<UPPER>(greatest, least)
     }
 }

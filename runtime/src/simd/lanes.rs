@@ -27,6 +27,11 @@ pub(crate) trait Lanes: Copy {
     fn lt8(self, a: Self::F8, b: Self::F8) -> u32;
     /// A bit per lane, lane 0 lowest: set where `a ≤ b`, and so not for numbers that do not compare.
     fn le8(self, a: Self::F8, b: Self::F8) -> u32;
+    /// Of lanes with `a ≤ b`, writes `a` and the tag, falling, behind each other; how many. What is written behind these means
+    /// nothing.
+    ///
+    /// The lowest three bits of `a` do not count: of lanes that are equal but for them, later ones are written first.
+    fn sort8(self, a: Self::F8, b: Self::F8, tags: &[u32; 8], to: (&mut [f32; 8], &mut [u32; 8])) -> usize;
     /// As `max8`, where lane 7 counts: its bits are those of `b`'s, plus one.
     fn max8_counting(self, a: Self::F8, b: Self::F8) -> Self::F8;
     /// Lanes 0 to 3 from the first, 4 to 7 from the second.

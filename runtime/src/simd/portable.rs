@@ -80,6 +80,31 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn sort8(self, a: [f32; 8], b: [f32; 8], tags: &[u32; 8], to: (&mut [f32; 8], &mut [u32; 8])) -> usize {
+        let mut keys = [0; 8];
+        let mut count = 0;
+        for k in 0..8 {
+            if a[k] <= b[k] {
+                let bits = a[k].to_bits() as i32;
+                // The order of the numbers as one of integers.
+                let key = (bits ^ ((bits >> 31) as u32 >> 1) as i32) & !7 | k as i32;
+                let mut at = count;
+                while at > 0 && keys[at - 1] < key {
+                    keys[at] = keys[at - 1];
+                    at -= 1;
+                }
+                keys[at] = key;
+                count += 1;
+            }
+        }
+        for (at, key) in keys[..count].iter().enumerate() {
+            let lane = *key as usize & 7;
+            (to.0[at], to.1[at]) = (a[lane], tags[lane]);
+        }
+        count
+    }
+
+    #[inline(always)]
     fn max8_counting(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
         let mut out = self.max8(a, b);
         out[7] = f32::from_bits(b[7].to_bits().wrapping_add(1));

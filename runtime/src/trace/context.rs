@@ -9,7 +9,7 @@ use crate::{
     excess::Motions,
     prepared::Prepared,
     scene::Scene,
-    wide::{GROUP, GroupHits, PACKET, Packet, PacketStack, WideStack},
+    wide::{GROUP, GroupHits, PACKET, Packet, WideStack},
 };
 use std::cell::RefCell;
 
@@ -30,14 +30,14 @@ pub(super) struct PacketContext {
     /// Hits of a triangle.
     pub hits: [GroupHits; PACKET / GROUP],
     /// For the tree over instances.
-    pub stack: PacketStack,
+    pub stack: WideStack,
 }
 
 pub(super) struct InstanceContext {
     /// For the tree over clusters, or over all triangles.
     pub stack: WideStack,
     /// For the tree over all triangles.
-    pub packet_stack: PacketStack,
+    pub packet_stack: WideStack,
     pub cluster: ClusterContext,
     pub moments: Moments,
 }
@@ -54,7 +54,7 @@ impl TraceContext {
             stack: WideStack::new(),
             instance: InstanceContext {
                 stack: WideStack::new(),
-                packet_stack: PacketStack::new(),
+                packet_stack: WideStack::new(),
                 cluster: ClusterContext {
                     stack: WideStack::new(),
                     binary: EMPTY_LEVEL,
@@ -67,7 +67,7 @@ impl TraceContext {
                 best: [None; PACKET],
                 travellers: vec![None; PACKET],
                 hits: [GroupHits::NONE; PACKET / GROUP],
-                stack: PacketStack::new(),
+                stack: WideStack::new(),
             },
         }
     }

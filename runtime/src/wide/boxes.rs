@@ -6,11 +6,11 @@ pub(crate) trait WideBoxes<R> {
     /// Packed [`WideChild`](restpose_formats::rows::WideChild)ren.
     fn children(&self) -> &[u32; 8];
 
-    /// Where the ray enters each box, and a bit for each box that it may be inside of between `start` and `limit`. Places
-    /// that are empty as children may be among them.
+    /// Where the ray enters and leaves each box, cut to the range from `start` to `limit`: it may be inside where it enters no
+    /// later than it leaves. Places that are empty as children may be among these.
     ///
     /// Both ends of the range are numbers; a plane whose `t` is none restricts nothing.
-    fn meet<S: Lanes>(&self, simd: S, ray: &R, start: f32, limit: f32) -> (S::F8, u32);
+    fn meet<S: Lanes>(&self, simd: S, ray: &R, start: f32, limit: f32) -> [S::F8; 2];
 }
 
 impl WideBoxes<WideRay> for WideNode {
@@ -20,7 +20,7 @@ impl WideBoxes<WideRay> for WideNode {
     }
 
     #[inline(always)]
-    fn meet<S: Lanes>(&self, simd: S, ray: &WideRay, start: f32, limit: f32) -> (S::F8, u32) {
+    fn meet<S: Lanes>(&self, simd: S, ray: &WideRay, start: f32, limit: f32) -> [S::F8; 2] {
         let (mut enter, mut exit) = (simd.splat8(start), simd.splat8(limit));
         for k in 0..3 {
             let near_row = ray.near_row[k] & 1;
@@ -31,12 +31,16 @@ impl WideBoxes<WideRay> for WideNode {
             enter = simd.max8(near, enter);
             exit = simd.min8(far, exit);
         }
-        let mut met = simd.le8(enter, exit);
         if ray.unbounded {
-            for k in 0..3 {
-                met &= simd.le8(simd.load8(&self.planes[0][k]), simd.load8(&self.planes[1][k]));
+            let mut exits = [0.0; 8];
+            simd.store8(exit, &mut exits);
+            for (place, exit) in exits.iter_mut().enumerate() {
+                if (0..3).any(|k| self.planes[0][k][place] > self.planes[1][k][place]) {
+                    *exit = f32::NAN;
+                }
             }
+            exit = simd.load8(&exits);
         }
-        (enter, met)
+        [enter, exit]
     }
 }

@@ -187,13 +187,19 @@ impl WideBundle {
         if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {
             #[target_feature(enable = "avx2,popcnt")]
             fn compiled(simd: Avx2, bundle: &WideBundle, node: &WideNode, limit: f32) -> bool {
-                node.meet(simd, bundle, bundle.start, limit).1 != 0
+                bundle.meets_any_with(simd, node, limit)
             }
             #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
             // SAFETY: an `Avx2` exists only on machines that have both features.
             return unsafe { compiled(simd, self, node, limit) };
         }
-        node.meet(Portable, self, self.start, limit).1 != 0
+        self.meets_any_with(Portable, node, limit)
+    }
+
+    #[inline(always)]
+    fn meets_any_with<S: Lanes>(&self, simd: S, node: &WideNode, limit: f32) -> bool {
+        let [enter, exit] = node.meet(simd, self, self.start, limit);
+        simd.le8(enter, exit) != 0
     }
 }
 
@@ -204,7 +210,7 @@ impl WideBoxes<WideBundle> for WideNode {
     }
 
     #[inline(always)]
-    fn meet<S: Lanes>(&self, simd: S, bundle: &WideBundle, start: f32, limit: f32) -> (S::F8, u32) {
+    fn meet<S: Lanes>(&self, simd: S, bundle: &WideBundle, start: f32, limit: f32) -> [S::F8; 2] {
         let (mut enter, mut exit) = (simd.splat8(start), simd.splat8(limit));
         let [least, greatest] = &bundle.inverse_direction;
         for k in 0..3 {
@@ -218,6 +224,6 @@ impl WideBoxes<WideBundle> for WideNode {
             enter = simd.max8(near, enter);
             exit = simd.min8(far, exit);
         }
-        (enter, simd.le8(enter, exit))
+        [enter, exit]
     }
 }

@@ -22,7 +22,7 @@ impl WideBoxes<FuzzyRay<'_>> for WideNodeRow {
     }
 
     #[inline(always)]
-    fn meet<S: Lanes>(&self, simd: S, ray: &FuzzyRay<'_>, start: f32, limit: f32) -> (S::F8, u32) {
+    fn meet<S: Lanes>(&self, simd: S, ray: &FuzzyRay<'_>, start: f32, limit: f32) -> [S::F8; 2] {
         if self.mover_count == 0 {
             meet_planes(simd, stored_planes(simd, self), &ray.fuzzy, start, limit)
         } else {
@@ -44,7 +44,7 @@ fn stored_planes<S: Lanes>(simd: S, node: &WideNodeRow) -> [[S::F8; 2]; 3] {
 }
 
 #[inline(always)]
-fn meet_planes<S: Lanes>(simd: S, planes: [[S::F8; 2]; 3], ray: &LatticeRay, start: f32, limit: f32) -> (S::F8, u32) {
+fn meet_planes<S: Lanes>(simd: S, planes: [[S::F8; 2]; 3], ray: &LatticeRay, start: f32, limit: f32) -> [S::F8; 2] {
     let (mut enter, mut exit) = (simd.splat8(start), simd.splat8(limit));
     for k in 0..3 {
         let [min, max] = planes[k];
@@ -55,7 +55,7 @@ fn meet_planes<S: Lanes>(simd: S, planes: [[S::F8; 2]; 3], ray: &LatticeRay, sta
         enter = simd.max8(near, enter);
         exit = simd.min8(far, exit);
     }
-    (enter, simd.le8(enter, exit))
+    [enter, exit]
 }
 
 /// Boxes around where this pose takes what is below each place.

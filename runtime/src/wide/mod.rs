@@ -37,7 +37,7 @@ pub(crate) use collapse::collapse;
 pub(crate) use fuzzy_ray::FuzzyRay;
 pub(crate) use node::{WideNode, append_rows};
 pub(crate) use packet::{Bundled, PACKET, Packet};
-pub(crate) use packet_walk::{PacketStack, Part, walk_together};
+pub(crate) use packet_walk::{Part, walk_together};
 pub(crate) use ray::WideRay;
 pub(crate) use ray_group::{GROUP, GroupHits};
 pub(crate) use refit::{refit, refit_triangles};

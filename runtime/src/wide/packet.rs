@@ -152,6 +152,10 @@ impl<'a> Bundled<'a> {
     /// Ready for a tree; `None` where the rays are to go one by one: they are too far apart, or distances overflow.
     #[inline]
     pub(crate) fn in_world(&self, tree: &[WideNode]) -> Option<Together> {
+        // A place in it is one number (`packet_walk`).
+        if tree.len() > 1 << 29 {
+            return None;
+        }
         let bounds = &tree.first()?.around();
         let met = self.bundle.breadth(bounds, self.limit) * tree.len() as f32;
         let rays = self.groups.count_ones() * GROUP as u32;

@@ -162,7 +162,7 @@ struct Ways {
 
 /// Closest hits, or any for each, through bundles.
 fn together(level: SimdLevel, world: &World, rays: &[Ray], any: bool, ways: &mut Ways) -> Vec<Best> {
-    let (mut packet, mut stack) = (Packet::new(), PacketStack::new());
+    let (mut packet, mut stack) = (Packet::new(), WideStack::new());
     let mut best = vec![None; rays.len()];
     let mut left = Vec::new();
     let end = |t: f32| if any { f32::NEG_INFINITY } else { t };
@@ -248,7 +248,8 @@ fn meets_alone(ray: &Ray, bounds: &Aabb, within: &Aabb) -> bool {
     let mut node = WideNode::EMPTY;
     node.set_bounds(0, bounds);
     let wide = WideRay::new(&SlabRay::in_world(ray.origin, ray.direction, within));
-    node.meet(Portable, &wide, ray.t_min, ray.t_max).1 & 1 == 1
+    let [enter, exit] = node.meet(Portable, &wide, ray.t_min, ray.t_max);
+    enter[0] <= exit[0]
 }
 
 /// The way of a bundle: its rays, each leaf with the groups that came there and those of its rays that may be in its box,
@@ -296,7 +297,7 @@ fn bundles_visit_what_each_ray_visits_alone() {
                     &world.nodes,
                     &together,
                     bundled,
-                    &mut PacketStack::new(),
+                    &mut WideStack::new(),
                     &mut visit,
                 );
                 out.push(Visits {

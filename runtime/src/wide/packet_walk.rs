@@ -3,7 +3,7 @@ use super::{
     boxes::WideBoxes,
     packet::{Bundled, Together},
     ray_group::GROUP,
-    stack::SIZE,
+    stack::WideStack,
 };
 #[cfg(target_arch = "x86_64")]
 use crate::simd::Avx2;
@@ -31,34 +31,6 @@ pub(crate) enum Part {
     Alone { node: u32, places: u64 },
 }
 
-/// A child that the bundle meets and that was not looked at yet.
-#[derive(Clone, Copy, Debug)]
-struct Pending {
-    enter: f32,
-    /// Packed.
-    child: u32,
-    /// Where its box is.
-    parent: u32,
-    place: u32,
-}
-
-/// Room for the pending children of one tree, as [`WideStack`](super::WideStack).
-#[derive(Clone, Debug)]
-pub(crate) struct PacketStack([Pending; SIZE]);
-
-impl PacketStack {
-    pub(crate) const fn new() -> Self {
-        Self(
-            [Pending {
-                enter: 0.0,
-                child: 0,
-                parent: 0,
-                place: 0,
-            }; SIZE],
-        )
-    }
-}
-
 /// As [`walk`](super::walk()), for the rays of a bundle: each child is looked at by those groups of rays whose own bundle meets
 /// its box, and goes to `visit` where it is a leaf or few rays are left. What `visit` cuts counts from then on.
 ///
@@ -68,7 +40,7 @@ pub(crate) fn walk_together(
     nodes: &[WideNode],
     together: &Together,
     bundled: &mut Bundled,
-    stack: &mut PacketStack,
+    stack: &mut WideStack,
     visit: &mut impl FnMut(Part, &mut Bundled) -> bool,
 ) -> bool {
     #[cfg(target_arch = "x86_64")]
@@ -79,7 +51,7 @@ pub(crate) fn walk_together(
             nodes: &[WideNode],
             together: &Together,
             bundled: &mut Bundled,
-            stack: &mut PacketStack,
+            stack: &mut WideStack,
             visit: &mut impl FnMut(Part, &mut Bundled) -> bool,
         ) -> bool {
             walk_with(simd, nodes, together, bundled, stack, visit)
@@ -97,55 +69,32 @@ fn walk_with<S: Lanes>(
     nodes: &[WideNode],
     together: &Together,
     bundled: &mut Bundled,
-    stack: &mut PacketStack,
+    stack: &mut WideStack,
     visit: &mut impl FnMut(Part, &mut Bundled) -> bool,
 ) -> bool {
-    let pending = &mut stack.0;
     let (mut node, mut count) = (0, 0);
     let mut looked = 0;
     let mut bundle = together.all;
     let mut limit = bundled.limit;
     loop {
-        let boxes = &nodes[node as usize];
-        let (lanes, mut met) = boxes.meet(simd, &bundle, bundle.start, limit);
-        let mut enter = [0.0; 8];
-        simd.store8(lanes, &mut enter);
-        let before = count;
-        while met != 0 {
-            let place = met.trailing_zeros() as usize % 8;
-            met &= met - 1;
-            let new = Pending {
-                enter: enter[place],
-                child: boxes.children[place],
-                parent: node,
-                place: place as u32,
-            };
-            let mut at = count;
-            while at > before && pending[at - 1].enter <= new.enter {
-                pending[at] = pending[at - 1];
-                at -= 1;
-            }
-            pending[at] = new;
-            count += 1;
-        }
+        let [enter, exit] = nodes[node as usize].meet(simd, &bundle, bundle.start, limit);
+        // Not the children: where their boxes are, too, must be known.
+        let places = std::array::from_fn(|place| node << 3 | place as u32);
+        count += simd.sort8(enter, exit, &places, stack.eight(count));
         loop {
             if count == 0 {
                 return false;
             }
             count -= 1;
-            let Pending {
-                enter,
-                child,
-                parent,
-                place,
-            } = pending[count];
+            let (enter, place) = stack.at(count);
+            let (parent, place) = (&nodes[(place >> 3) as usize], place as usize % 8);
+            let child = parent.children[place];
             if enter > bundled.limit || child == WideChild::EMPTY {
                 continue;
             }
-            let parent = &nodes[parent as usize];
             looked += 1;
             let limits = &bundled.packet.limits;
-            let mut groups = together.groups.meeting(simd, parent, place as usize, limits) & bundled.groups;
+            let mut groups = together.groups.meeting(simd, parent, place, limits) & bundled.groups;
             if groups == 0 {
                 continue;
             }
@@ -157,7 +106,7 @@ fn walk_with<S: Lanes>(
                 continue;
             }
             if looked > PATIENCE || groups.is_power_of_two() {
-                let places = bundled.meeting_with(simd, groups, &box_of(parent, place as usize), together.outwards);
+                let places = bundled.meeting_with(simd, groups, &box_of(parent, place), together.outwards);
                 if places.count_ones() <= FEW {
                     if places != 0 && visit(Part::Alone { node: child, places }, bundled) {
                         return true;

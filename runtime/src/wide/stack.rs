@@ -10,22 +10,38 @@ const _: () = assert!(MAX_WIDE_DEPTH <= MOST_NODES);
 /// Each node on the way down leaves seven siblings behind, the last one eight children.
 pub(super) const SIZE: usize = 7 * MOST_NODES + 1;
 
-/// A child that the ray meets and that was not looked at yet.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Pending {
-    /// Where the ray enters its box.
-    pub enter: f32,
-    /// The child, packed.
-    pub child: u32,
-}
-
-/// Room for the pending children of one tree. What is in it means nothing between traversals: keep it, making it costs
-/// more than a ray does.
+/// Room for the pending children of one tree: children that the ray meets and that were not looked at yet. What is in it means
+/// nothing between traversals: keep it, making it costs more than a ray does.
 #[derive(Clone, Debug)]
-pub(crate) struct WideStack(pub(super) [Pending; SIZE]);
+pub(crate) struct WideStack {
+    /// Where the ray enters their boxes.
+    enter: [f32; SIZE],
+    /// Packed.
+    children: [u32; SIZE],
+}
 
 impl WideStack {
     pub(crate) const fn new() -> Self {
-        Self([Pending { enter: 0.0, child: 0 }; SIZE])
+        Self {
+            enter: [0.0; SIZE],
+            children: [0; SIZE],
+        }
+    }
+
+    /// Where the ray enters the child at a place, and the child.
+    #[inline(always)]
+    pub(super) fn at(&self, place: usize) -> (f32, u32) {
+        (self.enter[place], self.children[place])
+    }
+
+    /// Eight places from `first` on.
+    #[inline(always)]
+    pub(super) fn eight(&mut self, first: usize) -> (&mut [f32; 8], &mut [u32; 8]) {
+        let enter = self.enter[first..].first_chunk_mut();
+        let children = self.children[first..].first_chunk_mut();
+        match (enter, children) {
+            (Some(enter), Some(children)) => (enter, children),
+            _ => unreachable!("a tree is no deeper than the stack"),
+        }
     }
 }

@@ -1,7 +1,4 @@
-use super::{
-    boxes::WideBoxes,
-    stack::{Pending, WideStack},
-};
+use super::{boxes::WideBoxes, stack::WideStack};
 #[cfg(target_arch = "x86_64")]
 use crate::simd::Avx2;
 use crate::{
@@ -77,36 +74,18 @@ fn walk_with<S: Lanes, N: WideBoxes<R>, R, T: Limited, C: Count>(
     counters: &mut C,
     visit: &mut impl FnMut(u32, &mut T, &mut C) -> bool,
 ) -> bool {
-    let pending = &mut stack.0;
     let (mut node, mut count) = (root, 0);
     loop {
         counters.step();
         let boxes = &nodes[node as usize];
-        let (lanes, mut met) = boxes.meet(simd, ray, start, traveller.limit());
-        let mut enter = [0.0; 8];
-        simd.store8(lanes, &mut enter);
-        let before = count;
-        while met != 0 {
-            let place = met.trailing_zeros() as usize % 8;
-            met &= met - 1;
-            let new = Pending {
-                enter: enter[place],
-                child: boxes.children()[place],
-            };
-            let mut at = count;
-            while at > before && pending[at - 1].enter <= new.enter {
-                pending[at] = pending[at - 1];
-                at -= 1;
-            }
-            pending[at] = new;
-            count += 1;
-        }
+        let [enter, exit] = boxes.meet(simd, ray, start, traveller.limit());
+        count += simd.sort8(enter, exit, boxes.children(), stack.eight(count));
         node = loop {
             if count == 0 {
                 return false;
             }
             count -= 1;
-            let Pending { enter, child } = pending[count];
+            let (enter, child) = stack.at(count);
             if enter > traveller.limit() || child == WideChild::EMPTY {
                 continue;
             }
