@@ -3,6 +3,8 @@ use super::{
     slerp::{LANES, Lanes4, slerp},
 };
 
+use crate::simd::SimdLevel;
+
 /// The way between two keys of a rotation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arc {
@@ -29,7 +31,7 @@ impl Arcs {
     }
 
     /// Writes the rotations of all nodes that have an arc.
-    pub(super) fn rotate(&self, locals: &mut [NodeLocal]) {
+    pub(super) fn rotate(&self, level: SimdLevel, locals: &mut [NodeLocal]) {
         for some in self.arcs.chunks(LANES) {
             // The last ones are made full by repetition.
             let arc = |lane: usize| &some[lane.min(some.len() - 1)].1;
@@ -37,6 +39,7 @@ impl Arcs {
             let lanes = |of: fn(&Arc, usize) -> f64, i| -> Lanes4 { arcs.map(|arc| of(arc, i)) };
             let key = |of| [lanes(of, 0), lanes(of, 1), lanes(of, 2), lanes(of, 3)];
             let rotations = slerp(
+                level,
                 &key(|arc, i| arc.keys[0][i].into()),
                 &key(|arc, i| arc.keys[1][i].into()),
                 &arcs.map(|arc| arc.fraction),
@@ -76,7 +79,7 @@ mod tests {
                     },
                 );
             }
-            arcs.rotate(&mut locals);
+            arcs.rotate(SimdLevel::detect(), &mut locals);
             for (node, local) in locals[..count].iter().enumerate() {
                 let NodeLocal::Trs {
                     translation, rotation, ..

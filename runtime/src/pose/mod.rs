@@ -4,18 +4,17 @@ mod arcs;
 mod curve;
 mod node_local;
 mod node_map;
+mod palette;
 mod slerp;
 
 pub use node_local::NodeLocal;
 
+use crate::simd::SimdLevel;
 use arcs::Arcs;
 use curve::{Curve, Rotation};
 use node_map::NodeMap;
-use restpose_formats::{
-    ModelView,
-    geom::Affine,
-    rows::{NONE, Path},
-};
+use palette::write_palette;
+use restpose_formats::{ModelView, geom::Affine, rows::Path};
 
 /// A pose of an asset.
 #[derive(Debug, Default, PartialEq)]
@@ -80,6 +79,7 @@ impl PoseEvaluator {
             morph_weights,
             cache_frames,
         } = pose;
+        let simd = SimdLevel::detect();
         self.locals.clear();
         self.locals
             .extend(model.nodes.iter().map(|row| NodeLocal::new(row.local())));
@@ -115,31 +115,19 @@ impl PoseEvaluator {
                     },
                 }
             }
-            self.arcs.rotate(&mut self.locals);
+            self.arcs.rotate(simd, &mut self.locals);
         }
 
         for (node, local) in self.locals.iter_mut().enumerate() {
             change(node, local);
         }
 
-        self.worlds.clear();
-        for (row, local) in model.nodes.iter().zip(&self.locals) {
-            let map = local.map();
-            let world = if row.parent == NONE {
-                map
-            } else {
-                self.worlds[row.parent as usize].after(&map)
-            };
-            self.worlds.push(world);
-        }
-
-        palette.clear();
-        palette.extend(model.bones.iter().map(|bone| {
-            if bone.node == NONE {
-                return Affine::IDENTITY;
-            }
-            let inverse_bind = NodeMap::from_affine(&bone.inverse_bind());
-            self.worlds[bone.node as usize].after(&inverse_bind).to_affine()
-        }));
+        write_palette(
+            simd,
+            (model.nodes, model.bones),
+            &self.locals,
+            &mut self.worlds,
+            palette,
+        );
     }
 }

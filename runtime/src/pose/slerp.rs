@@ -15,6 +15,10 @@
 //! one before; 1.38 µs with polynomials in pairs instead of four of Horner's. No better: 1.43 µs by eights, which do not fit
 //! the registers; 1.47 instead of 1.42 µs with a polynomial for `θ/sin θ`, of degree 19 as well, instead of a division.
 
+#[cfg(target_arch = "x86_64")]
+use crate::simd::Avx2;
+use crate::simd::SimdLevel;
+
 /// Arcs that are computed together.
 pub(super) const LANES: usize = 4;
 
@@ -68,7 +72,22 @@ const SINE: [f64; 8] = [
 /// Found in 60 000 random arcs, with 220 bits: 8u.
 // In place LLVM tears the lanes apart to fit what surrounds them.
 #[inline(never)]
-pub(super) fn slerp(a: &[Lanes4; 4], b: &[Lanes4; 4], s: &Lanes4) -> [Lanes4; 4] {
+pub(super) fn slerp(level: SimdLevel, a: &[Lanes4; 4], b: &[Lanes4; 4], s: &Lanes4) -> [Lanes4; 4] {
+    #[cfg(target_arch = "x86_64")]
+    if let (SimdLevel::Avx2, Some(_)) = (level, Avx2::new()) {
+        #[target_feature(enable = "avx2,popcnt")]
+        fn compiled(a: &[Lanes4; 4], b: &[Lanes4; 4], s: &Lanes4) -> [Lanes4; 4] {
+            interpolated(a, b, s)
+        }
+        #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
+        // SAFETY: an `Avx2` exists only on machines that have both features.
+        return unsafe { compiled(a, b, s) };
+    }
+    interpolated(a, b, s)
+}
+
+#[inline(always)]
+fn interpolated(a: &[Lanes4; 4], b: &[Lanes4; 4], s: &Lanes4) -> [Lanes4; 4] {
     let (a, b) = (with_length(a), with_length(b));
     let (from_length, to_length) = (inverse_length(&a), inverse_length(&b));
     let dot = dot(&a, &b);
