@@ -6,7 +6,8 @@
 use crate::{
     Aabb, Affine, Asset,
     cluster_frame::{Map64, PosedMap, world_box},
-    vertex::reach,
+    simd::{Four, four},
+    vertex::{greater, moved},
 };
 use restpose_formats::{
     ModelView,
@@ -83,9 +84,10 @@ impl PosedTrack {
     }
 
     /// Bounds, per world axis, the magnitudes that enter a vertex whose stored numbers are at most `extent`.
-    pub(crate) fn reach(&self, extent: [f64; 3]) -> [f64; 3] {
-        let [a, b] = self.maps.each_ref().map(|map| map.reach(extent));
-        std::array::from_fn(|k| a[k] + b[k])
+    pub(crate) fn reach(&self, extent: [f64; 3]) -> Four {
+        let [a, b] = &self.maps;
+        let (a, b) = (a.reach(extent), b.reach(extent));
+        four(|k| a[k] + b[k])
     }
 }
 
@@ -132,6 +134,16 @@ impl CacheState {
         })
     }
 
+    /// The greatest magnitudes, per world axis, that enter the posed vertices of a cluster.
+    #[inline(always)]
+    pub(crate) fn reach(&self, model: &ModelView, cluster: &ClusterRow) -> Four {
+        let mut reach = [0.0; 4];
+        for (track, extent) in moved(model, cluster) {
+            reach = greater(reach, self.track(track).reach(extent));
+        }
+        reach
+    }
+
     /// World box of a cluster that has a track with keys, by the boxes of its vertices at the keys, between which these
     /// move on straight lines. `bone` carries the cache.
     pub(crate) fn cluster_bounds(&self, asset: &Asset, cluster: &ClusterRow, bone: &PosedMap) -> Aabb {
@@ -147,8 +159,8 @@ impl CacheState {
             min: std::array::from_fn(|k| f32_below(mix(a.bounds.min[k], b.bounds.min[k]))),
             max: std::array::from_fn(|k| f32_above(mix(a.bounds.max[k], b.bounds.max[k]))),
         };
-        let reach = reach(model, cluster, |track, extent| self.track(track).reach(extent));
-        world_box(&bounds, bone, reach.map(|reach| asset.cache_vertex_error() * reach))
+        let (error, reach) = (asset.cache_vertex_error(), self.reach(model, cluster));
+        world_box(&bounds, bone, four(|k| error * reach[k]))
     }
 
     /// Poses a vertex of the cache's part, by vertex row: each map's image rounded as [`Affine::transform_point`] says,

@@ -36,6 +36,7 @@
 use crate::{
     pose_space::{Envelope, MARKS, Mover, PoseSpace},
     relative_motions::{ROUNDING, RelativeMotion, RelativeMotions},
+    simd::four,
 };
 use restpose_formats::rows::{BoneEnvelopeRow, ClusterMorphRow};
 
@@ -108,9 +109,15 @@ impl Motions {
     /// `nearest` is an envelope to try first and becomes the one that is nearest; what it was changes nothing of the result.
     ///
     /// Complexity: twelve comparisons per bone where the first envelope holds the pose, else a distance per envelope.
+    #[inline(always)]
     pub(crate) fn measure(&mut self, space: &PoseSpace, morph_weights: &[f32], nearest: &mut u32) -> Excess {
         self.update(space, morph_weights);
-        let mut found = self.nearest_envelope(space, morph_weights, nearest);
+        let first = self.excess_of_here(space, &space.envelope(*nearest), morph_weights);
+        let mut found = if total(&first) == 0.0 {
+            first
+        } else {
+            self.nearest_envelope(space, morph_weights, nearest)
+        };
         if self.is_outside(&found) && space.morphs.is_empty() && space.envelope_count > 1 {
             found = self.mixed_with_another(space, *nearest, found);
         }
@@ -125,6 +132,7 @@ impl Motions {
         !excess.iter().all(|x| *x <= self.rounding)
     }
 
+    #[inline(always)]
     fn update(&mut self, space: &PoseSpace, morph_weights: &[f32]) {
         self.morphed = displacement(space.morphs, |_, target| {
             f64::from(morph_weights[target as usize].abs())
@@ -141,12 +149,22 @@ impl Motions {
 
     /// By how much the pose leaves one envelope, per local axis.
     fn excess_of(&self, space: &PoseSpace, envelope: &Envelope, morph_weights: &[f32]) -> [f64; 3] {
+        self.excess_of_here(space, envelope, morph_weights)
+    }
+
+    /// The same, compiled where it is called.
+    #[inline(always)]
+    fn excess_of_here(&self, space: &PoseSpace, envelope: &Envelope, morph_weights: &[f32]) -> [f64; 3] {
         let place = self.place_on_line(space, envelope);
         let mut lengths = [0.0; 12];
         for ((motion, row), mover) in self.motions.iter().zip(envelope.bones).zip(space.movers) {
             let off = off_line(motion, row, place);
             // Most poses are inside: one branch for twelve numbers.
-            if !off.iter().fold(true, |inside, off| inside & (*off <= 0.0)) {
+            let mut inside = true;
+            for off in off {
+                inside &= off <= 0.0;
+            }
+            if !inside {
                 self.add_lengths(&mut lengths, &off, mover);
             }
         }
@@ -185,7 +203,7 @@ impl Motions {
 
     /// Where on the line of an envelope the pose's motions are nearest: α, weighed by levers. Any α in [−1, 1] gives a
     /// bound; this one is what the baker made the reach for.
-    #[inline]
+    #[inline(always)]
     fn place_on_line(&self, space: &PoseSpace, envelope: &Envelope) -> f64 {
         let mut along = [0.0; 12];
         for ((motion, row), mover) in self.motions.iter().zip(envelope.bones).zip(space.movers) {
@@ -194,17 +212,13 @@ impl Motions {
                 along[n] += direction * (motion.numbers[n] - f64::from(row.center[n]));
             }
         }
-        let place = along.iter().sum::<f64>() * envelope.per_length;
+        let place = sum(&along) * envelope.per_length;
         if place.is_nan() { 0.0 } else { place.clamp(-1.0, 1.0) }
     }
 
     /// The excess over the envelopes that may hold the pose, and the few that are nearest. `nearest` is tried first, and in
     /// the end is where the least was found.
     fn nearest_envelope(&mut self, space: &PoseSpace, morph_weights: &[f32], nearest: &mut u32) -> [f64; 3] {
-        let first = self.excess_of(space, &space.envelope(*nearest), morph_weights);
-        if total(&first) == 0.0 {
-            return first;
-        }
         let marked: [f64; MARKS] = space.marks.map(|mark| {
             let motion = self.motions.get(mark.mover).zip(space.movers.get(mark.mover));
             motion.map_or(0.0, |(motion, mover)| {
@@ -297,39 +311,49 @@ impl Motions {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn on_line(row: &BoneEnvelopeRow, place: f64, n: usize) -> f64 {
     f64::from(row.center[n]) + place * f64::from(row.direction[n])
 }
 
 /// Bounds the numbers on the line.
-#[inline]
+#[inline(always)]
 fn magnitude(row: &BoneEnvelopeRow, n: usize) -> f64 {
     f64::from(row.center[n].abs()) + f64::from(row.direction[n].abs())
 }
 
 /// By how much each number is out of reach of a place on the line of an envelope; not above zero where it is not.
-#[inline]
+#[inline(always)]
 fn off_line(motion: &Motion, row: &BoneEnvelopeRow, place: f64) -> [f64; 12] {
-    std::array::from_fn(|n| {
+    let mut out = [0.0; 12];
+    for n in 0..12 {
         // The line's numbers may be far greater than the motion's, and so is their rounding.
         let reach = f64::from(row.reach[n]) - ROUNDING * magnitude(row, n);
-        (motion.numbers[n] - on_line(row, place, n)).abs() - reach
-    })
+        out[n] = (motion.numbers[n] - on_line(row, place, n)).abs() - reach;
+    }
+    out
+}
+
+/// By threes of fours, so that no number waits for eleven others.
+#[inline(always)]
+fn sum(numbers: &[f64; 12]) -> f64 {
+    let n = |k: usize| numbers[k] + numbers[4 + k] + numbers[8 + k];
+    (n(0) + n(2)) + (n(1) + n(3))
 }
 
 /// The part above zero; `max` would make nothing of a NaN.
-#[inline]
+#[inline(always)]
 fn beyond(off: f64) -> f64 {
     if off <= 0.0 { 0.0 } else { off }
 }
 
 /// Lengths by number, summed over what displaces along the same axis.
-#[inline]
+#[inline(always)]
 fn per_axis(lengths: &[f64; 12]) -> [f64; 3] {
     std::array::from_fn(|k| (lengths[k] + lengths[3 + k]) + (lengths[6 + k] + lengths[9 + k]))
 }
 
+#[inline(always)]
 fn total(excess: &[f64; 3]) -> f64 {
     excess[0] + excess[1] + excess[2]
 }
@@ -347,18 +371,12 @@ fn displacement(morphs: &[ClusterMorphRow], weight: impl Fn(usize, u32) -> f64) 
 }
 
 impl Motion {
-    #[inline]
+    #[inline(always)]
     fn new(relative: &RelativeMotion, mover: &Mover) -> Self {
-        let mut numbers = [0.0; 12];
-        let mut offset = relative.offset;
-        for j in 0..3 {
-            for k in 0..3 {
-                let entry = relative.columns[j][k];
-                numbers[3 * j + k] = entry;
-                offset[k] += entry * mover.pivot[j];
-            }
-        }
-        numbers[9..].copy_from_slice(&offset);
+        let ([x, y, z], pivot) = (&relative.columns, &mover.pivot);
+        let offset = &relative.offset;
+        let d = four(|k| offset[k] + x[k] * pivot[0] + y[k] * pivot[1] + z[k] * pivot[2]);
+        let numbers = [x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2], d[0], d[1], d[2]];
         Self {
             numbers,
             error: relative.entry_error,

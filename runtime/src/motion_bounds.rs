@@ -7,7 +7,7 @@ use crate::{
     cluster_frame::SMALLEST_NORMAL,
     motion::Motion,
     posed_bounds::{BoundedPose, EVERYWHERE, IMAGE_ERROR, LARGEST, morph_extent, posed_bounds},
-    vertex::reach,
+    vertex::moved,
 };
 use restpose_formats::{
     geom::round::{f32_above, f32_below},
@@ -63,19 +63,16 @@ pub(crate) fn widened_for_motion(
         let segment = &model.segments[time.segment as usize];
         for cluster in &model.clusters[segment.cluster_first as usize..][..segment.cluster_count as usize] {
             for key in time.keys {
-                enter(
-                    cache.bone,
-                    reach(model, cluster, |row, extent| {
-                        let track = &model.tracks[row as usize];
-                        let local = std::array::from_fn(|k| {
-                            f64::from(track.origin[k].abs()) + f64::from(track.step) * extent[k]
-                        });
-                        match track.key_first {
-                            NONE => local,
-                            first => magnitudes(&model.keys[(first + key) as usize].map(), local),
-                        }
-                    }),
-                );
+                for (row, extent) in moved(model, cluster) {
+                    let track = &model.tracks[row as usize];
+                    let local =
+                        std::array::from_fn(|k| f64::from(track.origin[k].abs()) + f64::from(track.step) * extent[k]);
+                    let extent = match track.key_first {
+                        NONE => local,
+                        first => magnitudes(&model.keys[(first + key) as usize].map(), local),
+                    };
+                    enter(cache.bone, extent);
+                }
             }
         }
     }

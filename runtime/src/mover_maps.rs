@@ -60,6 +60,7 @@ impl MoverMaps {
     /// the origin's magnitudes and three widths bounds. Weights of movers sum to one at most, up to half a unit each of the
     /// row's. In `f32` a plane is off by some roundings of the magnitudes that enter: the lattice's width, and the motions'
     /// greatest ones, once for the middle and twice for the half.
+    #[inline(always)]
     pub(crate) fn new(lattice: &RestLattice, relative: &RelativeMotions, morph_extent: [f64; 3]) -> (Self, [f64; 3]) {
         let (mut out, mut error) = (Self::NONE, Self::UNKNOWN);
         if !lattice.is_usable() {

@@ -29,35 +29,11 @@ pub(crate) fn posed_maps(level: SimdLevel, transform: &Affine, palette: &[Affine
     products(transform, palette, out);
 }
 
-/// Loops over four lanes become vectors of whatever width there is. Nothing is fused, and every lane adds in the order of
-/// the scalar product.
 #[inline(always)]
 fn products(transform: &Affine, palette: &[Affine], out: &mut [Affine]) {
-    let mut t = [[0.0f64; 4]; 4];
-    for j in 0..4 {
-        for k in 0..3 {
-            t[j][k] = f64::from(transform.columns[j][k]);
-        }
-    }
+    let transform = Map64::new(transform);
     for (x, out) in palette.iter().zip(out) {
-        // Left out of the product, as there.
-        if *x == Affine::IDENTITY {
-            *out = posed_map(&Map64::new(transform), x);
-            continue;
-        }
-        for j in 0..4 {
-            let [a, b, c] = [
-                f64::from(x.columns[j][0]),
-                f64::from(x.columns[j][1]),
-                f64::from(x.columns[j][2]),
-            ];
-            let mut lanes = [0.0f32; 4];
-            for k in 0..4 {
-                let offset = if j == 3 { t[3][k] } else { 0.0 };
-                lanes[k] = (t[0][k] * a + t[1][k] * b + t[2][k] * c + offset) as f32;
-            }
-            out.columns[j] = [lanes[0], lanes[1], lanes[2]];
-        }
+        *out = posed_map(&transform, x);
     }
 }
 

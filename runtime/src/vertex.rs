@@ -1,6 +1,9 @@
 //! The vertex function: the one way in which a vertex of the rest pose becomes a vertex of the current pose.
 
-use crate::cluster_frame::SMALLEST_NORMAL;
+use crate::{
+    cluster_frame::SMALLEST_NORMAL,
+    simd::{Four, four},
+};
 use restpose_formats::{ModelView, geom::Affine, rows::ClusterRow};
 
 /// Poses one vertex.
@@ -35,15 +38,25 @@ pub(crate) fn pose_vertex(model: &ModelView, palette: &[Affine], morph_weights: 
     sum
 }
 
-/// The greatest magnitudes, per world axis, that enter the posed vertices of a cluster: over the bones or tracks that move
-/// them, what `reach_of` makes of the row and the extent of the points that it moves.
-pub(crate) fn reach(model: &ModelView, cluster: &ClusterRow, reach_of: impl Fn(u32, [f64; 3]) -> [f64; 3]) -> [f64; 3] {
+/// The rows of a cluster's bones, or tracks, and the greatest magnitudes of the points that each of them moves.
+#[inline(always)]
+pub(crate) fn moved<'a>(
+    model: &ModelView<'a>,
+    cluster: &ClusterRow,
+) -> impl Iterator<Item = (u32, [f64; 3])> + use<'a> {
     let rows = &model.cluster_bones[cluster.cluster_bone_first as usize..][..cluster.cluster_bone_count as usize];
-    rows.iter().fold([0.0f64; 3], |reach, row| {
+    rows.iter().map(|row| {
         // A morph that underflows is off by up to 2⁻¹⁵⁰ before the bone enlarges it: u times the last term.
-        let moved = reach_of(row.bone, row.extent().map(|x| f64::from(x) + SMALLEST_NORMAL));
-        std::array::from_fn(|k| reach[k].max(moved[k]))
+        let [x, y, z] = row.extent();
+        let wide = |x: f32| f64::from(x) + SMALLEST_NORMAL;
+        (row.bone, [wide(x), wide(y), wide(z)])
     })
+}
+
+/// The greater of each two numbers.
+#[inline(always)]
+pub(crate) fn greater(a: Four, b: Four) -> Four {
+    four(|k| a[k].max(b[k]))
 }
 
 /// `f32` roundings on the longest way from a rest position to a posed one: bounds, with

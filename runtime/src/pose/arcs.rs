@@ -1,9 +1,9 @@
 use super::{
     NodeLocal,
-    slerp::{LANES, Lanes4, slerp},
+    slerp::{LANES, slerp},
 };
 
-use crate::simd::SimdLevel;
+use crate::simd::{Four, SimdLevel};
 
 /// The way between two keys of a rotation.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +36,7 @@ impl Arcs {
             // The last ones are made full by repetition.
             let arc = |lane: usize| &some[lane.min(some.len() - 1)].1;
             let arcs = [arc(0), arc(1), arc(2), arc(3)];
-            let lanes = |of: fn(&Arc, usize) -> f64, i| -> Lanes4 { arcs.map(|arc| of(arc, i)) };
+            let lanes = |of: fn(&Arc, usize) -> f64, i| -> Four { arcs.map(|arc| of(arc, i)) };
             let key = |of| [lanes(of, 0), lanes(of, 1), lanes(of, 2), lanes(of, 3)];
             let rotations = slerp(
                 level,

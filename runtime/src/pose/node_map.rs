@@ -1,14 +1,11 @@
+use crate::simd::{Four, four};
 use restpose_formats::geom::Affine;
 
-/// A column of a map, and a zero: vectors of two or four numbers then hold whole columns. Rows of four need none, but the
-/// last number of each, which takes the translation, keeps the compiler from such vectors (measured on the fox: 1.42
-/// instead of 1.38 µs per pose).
-type Column = [f64; 4];
-
-/// An affine map in `f64`.
+/// An affine map in `f64`. Rows of four would need no number that means nothing, but their last one, which takes the translation,
+/// keeps the compiler from vectors (measured on the fox: 1.42 instead of 1.38 µs per pose).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct NodeMap {
-    columns: [Column; 4],
+    columns: [Four; 4],
 }
 
 impl NodeMap {
@@ -38,11 +35,11 @@ impl NodeMap {
     #[inline(always)]
     pub(super) fn after(&self, inner: &Self) -> Self {
         let [a, b, c, d] = &self.columns;
-        let turned = |v: &Column| each(|k| a[k] * v[0] + b[k] * v[1] + c[k] * v[2]);
+        let turned = |v: &Four| four(|k| a[k] * v[0] + b[k] * v[1] + c[k] * v[2]);
         let [x, y, z, translation] = &inner.columns;
         let translation = turned(translation);
         Self {
-            columns: [turned(x), turned(y), turned(z), each(|k| translation[k] + d[k])],
+            columns: [turned(x), turned(y), turned(z), four(|k| translation[k] + d[k])],
         }
     }
 
@@ -50,15 +47,9 @@ impl NodeMap {
     #[inline(always)]
     pub(super) fn to_affine(self) -> Affine {
         let [a, b, c, d] = self.columns;
-        let column = |[x, y, z, _]: Column| [x as f32, y as f32, z as f32];
+        let column = |[x, y, z, _]: Four| [x as f32, y as f32, z as f32];
         Affine {
             columns: [column(a), column(b), column(c), column(d)],
         }
     }
-}
-
-/// As `std::array::from_fn`, which is not always inlined.
-#[inline(always)]
-fn each(of: impl Fn(usize) -> f64) -> Column {
-    [of(0), of(1), of(2), of(3)]
 }

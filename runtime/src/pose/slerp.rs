@@ -17,13 +17,10 @@
 
 #[cfg(target_arch = "x86_64")]
 use crate::simd::Avx2;
-use crate::simd::SimdLevel;
+use crate::simd::{Four, SimdLevel, four};
 
 /// Arcs that are computed together.
 pub(super) const LANES: usize = 4;
-
-/// One number per arc.
-pub(super) type Lanes4 = [f64; LANES];
 
 /// θ²/y for y = 1 − cos θ in [0, 1], within 2⁻⁵⁶ relative to it.
 const SQUARE: [f64; 20] = [
@@ -72,11 +69,11 @@ const SINE: [f64; 8] = [
 /// Found in 60 000 random arcs, with 220 bits: 8u.
 // In place LLVM tears the lanes apart to fit what surrounds them.
 #[inline(never)]
-pub(super) fn slerp(level: SimdLevel, a: &[Lanes4; 4], b: &[Lanes4; 4], s: &Lanes4) -> [Lanes4; 4] {
+pub(super) fn slerp(level: SimdLevel, a: &[Four; 4], b: &[Four; 4], s: &Four) -> [Four; 4] {
     #[cfg(target_arch = "x86_64")]
     if let (SimdLevel::Avx2, Some(_)) = (level, Avx2::new()) {
         #[target_feature(enable = "avx2,popcnt")]
-        fn compiled(a: &[Lanes4; 4], b: &[Lanes4; 4], s: &Lanes4) -> [Lanes4; 4] {
+        fn compiled(a: &[Four; 4], b: &[Four; 4], s: &Four) -> [Four; 4] {
             interpolated(a, b, s)
         }
         #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
@@ -87,59 +84,53 @@ pub(super) fn slerp(level: SimdLevel, a: &[Lanes4; 4], b: &[Lanes4; 4], s: &Lane
 }
 
 #[inline(always)]
-fn interpolated(a: &[Lanes4; 4], b: &[Lanes4; 4], s: &Lanes4) -> [Lanes4; 4] {
+fn interpolated(a: &[Four; 4], b: &[Four; 4], s: &Four) -> [Four; 4] {
     let (a, b) = (with_length(a), with_length(b));
     let (from_length, to_length) = (inverse_length(&a), inverse_length(&b));
     let dot = dot(&a, &b);
-    let y = lanes(|k| 1.0 - dot[k].abs() * (from_length[k] * to_length[k]));
+    let y = four(|k| 1.0 - dot[k].abs() * (from_length[k] * to_length[k]));
     let square = polynomial(&SQUARE, y);
-    let square = lanes(|k| y[k] * square[k]);
+    let square = four(|k| y[k] * square[k]);
     let whole = polynomial(&SINE, square);
-    let whole = lanes(|k| 1.0 / whole[k]);
-    let rest = lanes(|k| 1.0 - s[k]);
-    let from = polynomial(&SINE, lanes(|k| rest[k] * rest[k] * square[k]));
-    let from = lanes(|k| from[k] * rest[k] * (from_length[k] * whole[k]));
-    let to = polynomial(&SINE, lanes(|k| s[k] * s[k] * square[k]));
-    let to = lanes(|k| to[k] * s[k] * (to_length[k] * whole[k]));
-    let to = lanes(|k| if dot[k] < 0.0 { -to[k] } else { to[k] });
-    let component = |i: usize| lanes(|k| from[k] * a[i][k] + to[k] * b[i][k]);
+    let whole = four(|k| 1.0 / whole[k]);
+    let rest = four(|k| 1.0 - s[k]);
+    let from = polynomial(&SINE, four(|k| rest[k] * rest[k] * square[k]));
+    let from = four(|k| from[k] * rest[k] * (from_length[k] * whole[k]));
+    let to = polynomial(&SINE, four(|k| s[k] * s[k] * square[k]));
+    let to = four(|k| to[k] * s[k] * (to_length[k] * whole[k]));
+    let to = four(|k| if dot[k] < 0.0 { -to[k] } else { to[k] });
+    let component = |i: usize| four(|k| from[k] * a[i][k] + to[k] * b[i][k]);
     [component(0), component(1), component(2), component(3)]
 }
 
 /// The identity where a quaternion is zero. Squares of finite `f32` neither vanish nor overflow in `f64`.
 #[inline(always)]
-fn with_length(q: &[Lanes4; 4]) -> [Lanes4; 4] {
+fn with_length(q: &[Four; 4]) -> [Four; 4] {
     let square = dot(q, q);
-    let w = lanes(|k| if square[k] == 0.0 { 1.0 } else { q[3][k] });
+    let w = four(|k| if square[k] == 0.0 { 1.0 } else { q[3][k] });
     [q[0], q[1], q[2], w]
 }
 
 #[inline(always)]
-fn inverse_length(q: &[Lanes4; 4]) -> Lanes4 {
+fn inverse_length(q: &[Four; 4]) -> Four {
     let square = dot(q, q);
-    lanes(|k| 1.0 / square[k].sqrt())
+    four(|k| 1.0 / square[k].sqrt())
 }
 
 #[inline(always)]
-fn dot(a: &[Lanes4; 4], b: &[Lanes4; 4]) -> Lanes4 {
-    lanes(|k| a[0][k] * b[0][k] + a[1][k] * b[1][k] + a[2][k] * b[2][k] + a[3][k] * b[3][k])
+fn dot(a: &[Four; 4], b: &[Four; 4]) -> Four {
+    four(|k| a[0][k] * b[0][k] + a[1][k] * b[1][k] + a[2][k] * b[2][k] + a[3][k] * b[3][k])
 }
 
 /// Σ cᵢxⁱ, by fours: within them in pairs, which do not wait for each other, then from the highest to the lowest.
 #[inline(always)]
-fn polynomial<const N: usize>(c: &[f64; N], x: Lanes4) -> Lanes4 {
-    let x2 = lanes(|k| x[k] * x[k]);
-    let x4 = lanes(|k| x2[k] * x2[k]);
+fn polynomial<const N: usize>(c: &[f64; N], x: Four) -> Four {
+    let x2 = four(|k| x[k] * x[k]);
+    let x4 = four(|k| x2[k] * x2[k]);
     let (fours, _) = c.as_chunks::<4>();
-    let four = |c: &[f64; 4]| lanes(|k| (c[0] + x[k] * c[1]) + x2[k] * (c[2] + x[k] * c[3]));
-    let add = |sum: Lanes4, next: Lanes4| lanes(|k| next[k] + x4[k] * sum[k]);
-    fours.iter().rev().map(four).reduce(add).unwrap_or_default()
-}
-
-/// As `std::array::from_fn`, which is not always inlined.
-#[inline(always)]
-fn lanes(of: impl Fn(usize) -> f64) -> Lanes4 {
-    [of(0), of(1), of(2), of(3)]
+    let some = |c: &[f64; 4]| four(|k| (c[0] + x[k] * c[1]) + x2[k] * (c[2] + x[k] * c[3]));
+    let add = |sum: Four, next: Four| four(|k| next[k] + x4[k] * sum[k]);
+    fours.iter().rev().map(some).reduce(add).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -1,12 +1,14 @@
 use super::Prepared;
+#[cfg(target_arch = "x86_64")]
+use crate::simd::Avx2;
 use crate::{
     Aabb, Asset,
     cluster_frame::{ClusterFrame, FrameInputs, Map64, PosedMap, Way, invert_frame, posed_reach},
     excess::{Excess, Motions},
     mover_maps::MoverMaps,
     refitted_tree::RefittedTree,
-    simd::prefetch,
-    vertex::reach,
+    simd::{SimdLevel, prefetch},
+    vertex::{greater, moved},
 };
 use restpose_formats::rows::{ClusterRow, NONE};
 use std::sync::{
@@ -107,7 +109,7 @@ impl ClusterState {
         }
         first();
         prefetch(std::slice::from_ref(&self.posed));
-        let posed = self.pose(prepared, asset, bounds_world, motions);
+        let posed = self.pose(SimdLevel::detect(), prepared, asset, bounds_world, motions);
         self.posed.get_or_init(|| posed)
     }
 
@@ -122,7 +124,42 @@ impl ClusterState {
         &self.refitted
     }
 
-    fn pose(&self, prepared: &Prepared, asset: &Asset, bounds_world: &Aabb, motions: &mut Motions) -> PosedCluster {
+    /// The same bits at every level: nothing is fused, and compilers make vectors of what is written as arrays.
+    fn pose(
+        &self,
+        level: SimdLevel,
+        prepared: &Prepared,
+        asset: &Asset,
+        bounds_world: &Aabb,
+        motions: &mut Motions,
+    ) -> PosedCluster {
+        #[cfg(target_arch = "x86_64")]
+        if let (SimdLevel::Avx2, Some(_)) = (level, Avx2::new()) {
+            #[target_feature(enable = "avx2,popcnt")]
+            fn compiled(
+                state: &ClusterState,
+                prepared: &Prepared,
+                asset: &Asset,
+                bounds_world: &Aabb,
+                motions: &mut Motions,
+            ) -> PosedCluster {
+                state.pose_with(prepared, asset, bounds_world, motions)
+            }
+            #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
+            // SAFETY: an `Avx2` exists only on machines that have both features.
+            return unsafe { compiled(self, prepared, asset, bounds_world, motions) };
+        }
+        self.pose_with(prepared, asset, bounds_world, motions)
+    }
+
+    #[inline(always)]
+    fn pose_with(
+        &self,
+        prepared: &Prepared,
+        asset: &Asset,
+        bounds_world: &Aabb,
+        motions: &mut Motions,
+    ) -> PosedCluster {
         let cluster = &asset.model().clusters[self.row as usize];
         let refitted = || ClusterFrame {
             bounds_world: *bounds_world,
@@ -161,6 +198,7 @@ impl ClusterState {
         }
     }
 
+    #[inline(always)]
     fn excess(&self, prepared: &Prepared, asset: &Asset, cluster: &ClusterRow, motions: &mut Motions) -> Excess {
         let Some(space) = asset.pose_spaces().of(asset.model(), self.row as usize) else {
             return Excess::NONE;
@@ -176,6 +214,7 @@ impl ClusterState {
         excess
     }
 
+    #[inline(always)]
     fn bone_frame(
         &self,
         prepared: &Prepared,
@@ -189,14 +228,17 @@ impl ClusterState {
         let (palette, posed) = (&prepared.pose.palette, prepared.posed());
         let own = cluster.bone as usize;
         let morphed = prepared.morph_extent();
+        let mut reach = [0.0; 4];
+        for (bone, extent) in moved(asset.model(), cluster) {
+            let bone = bone as usize;
+            let extent = [extent[0] + morphed[0], extent[1] + morphed[1], extent[2] + morphed[2]];
+            let own = posed_reach(&prepared.transform, &palette[bone], &posed[bone], extent);
+            reach = greater(reach, own);
+        }
         ClusterFrame::new(&FrameInputs {
             frame: &PosedMap::product(&[&transform, &Map64::new(&palette[own])]),
             bounds_local: &cluster.bounds_local,
-            reach: reach(asset.model(), cluster, |bone, extent| {
-                let bone = bone as usize;
-                let extent = [extent[0] + morphed[0], extent[1] + morphed[1], extent[2] + morphed[2]];
-                posed_reach(&prepared.transform, &palette[bone], &posed[bone], extent)
-            }),
+            reach,
             vertex_error: asset.vertex_error(),
             bounds_world,
             excess: excess.local,
@@ -204,6 +246,7 @@ impl ClusterState {
         })
     }
 
+    #[inline(always)]
     fn track_frame(
         &self,
         prepared: &Prepared,
@@ -218,7 +261,7 @@ impl ClusterState {
         ClusterFrame::new(&FrameInputs {
             frame: &state.track(cluster.track).frame,
             bounds_local: &cluster.bounds_local,
-            reach: reach(asset.model(), cluster, |track, extent| state.track(track).reach(extent)),
+            reach: state.reach(asset.model(), cluster),
             vertex_error: asset.cache_vertex_error(),
             bounds_world,
             excess: Excess::NONE.local,

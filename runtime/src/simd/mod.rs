@@ -9,6 +9,7 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+mod four;
 mod lanes;
 mod portable;
 mod prefetch;
@@ -17,6 +18,7 @@ mod tests;
 
 #[cfg(target_arch = "x86_64")]
 pub(crate) use avx2::Avx2;
+pub(crate) use four::{Four, four};
 pub(crate) use lanes::Lanes;
 pub(crate) use portable::Portable;
 pub(crate) use prefetch::prefetch;

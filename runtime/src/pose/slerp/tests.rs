@@ -19,7 +19,7 @@ fn unit(q: [f64; 4]) -> [f64; 4] {
 }
 
 /// The lanes that hold `q` alone.
-fn splat(q: [f64; 4]) -> [Lanes4; 4] {
+fn splat(q: [f64; 4]) -> [Four; 4] {
     q.map(|x| [x; LANES])
 }
 
@@ -161,12 +161,12 @@ fn keys_without_length_count_as_the_identity() {
 fn lanes_do_not_touch_each_other_at_any_level() {
     let mut random = fastrand::Rng::with_seed(3);
     for _ in 0..1000 {
-        let mut any = || -> [Lanes4; 4] { std::array::from_fn(|_| std::array::from_fn(|_| random.f64() - 0.5)) };
+        let mut any = || -> [Four; 4] { std::array::from_fn(|_| std::array::from_fn(|_| random.f64() - 0.5)) };
         let (a, b) = (any(), any());
         let s = std::array::from_fn(|_| random.f64());
         let together = slerp(SimdLevel::detect(), &a, &b, &s);
         for lane in 0..LANES {
-            let of = |lanes: &[Lanes4; 4]| lanes.map(|component| component[lane]);
+            let of = |lanes: &[Four; 4]| lanes.map(|component| component[lane]);
             assert_eq!(
                 one(of(&a), of(&b), s[lane]).map(f64::to_bits),
                 of(&together).map(f64::to_bits)
