@@ -9,8 +9,13 @@ use restpose_formats::geom::{
 };
 
 /// Ray-dependent part of the margin, per unit of `Σ|L|·D`: triangle test 6u, ray transform γ₅ + γ₃ ≤ 8.1u, slabs 4u,
-/// and the rounding of the margin itself; 24u covers them.
+/// directions that are lengthened ([`SHORTEST`]) 1u, and the rounding of the margin itself; 24u covers them.
 const RAY_ERROR: f32 = (VERTEX_ERROR + 18.0 * UNIT_ROUNDOFF) as f32;
+
+/// Components of directions in local space are at least this long, per unit of what stands for `Σ|L|` in the margin: u·`Σ|L|`.
+/// Along shorter ones a ray moves by less than u·`Σ|L|`·D before it has passed the cluster, and by as much with this one, which
+/// has an inverse: planes of a lattice could not restrict a ray that is parallel to them.
+const SHORTEST: f32 = UNIT_ROUNDOFF as f32 / RAY_ERROR;
 
 /// `x ↦ linear·(x − center_world) + center_local`, and the margins that go with it.
 #[derive(Clone, Copy, Debug)]
@@ -141,7 +146,14 @@ impl LocalFrame {
         };
         let ray = SlabRay {
             origin,
-            inverse_direction: std::array::from_fn(|k| 1.0 / product(direction, k)),
+            inverse_direction: std::array::from_fn(|k| {
+                let (along, shortest) = (product(direction, k), SHORTEST * self.margin_per_distance[k]);
+                1.0 / if along.abs() < shortest {
+                    shortest.copysign(along)
+                } else {
+                    along
+                }
+            }),
             margin: std::array::from_fn(|k| with(&self.margin_local, k)),
         };
         (ray, std::array::from_fn(|k| with(&self.margin_posed, k)))

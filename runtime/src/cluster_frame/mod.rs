@@ -22,7 +22,8 @@
 //! 5. *Triangle test.* A hit is an exact hit of a triangle moved by [`VERTEX_ERROR`]·D per axis, D the greatest
 //!    distance per axis from the ray's origin to the cluster's world box.
 //! 6. *Ray.* Transforming origin and direction costs γ₅ and γ₃ times `|L|·D`, for `|t·d|∞ ≤ D` wherever the ray is
-//!    inside the world box; plus u·|c_l|.
+//!    inside the world box; plus u·|c_l|. A component of the direction that is shorter than u·Σ|L| is lengthened to that,
+//!    which moves the ray by at most as much times D.
 //! 7. *Slabs.* `((plane − o) ∓ margin)·(1/d)` has four roundings, 4u relative to `|plane − o|`.
 //!
 //! 1 to 4 make [`LocalFrame::margin_local`], fixed for the frame; 5 to 7 are [`RAY_ERROR`]`·D·Σ|L|` and a term in
