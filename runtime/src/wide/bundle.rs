@@ -11,6 +11,21 @@ use crate::{
 /// them.
 const DIRECTION_LIMIT: f32 = (1u32 << 30) as f32;
 
+/// 2⁻⁵⁴: shorter components count as this long, forwards, so that they have an inverse. Some component is longer than the inverse
+/// of [`DIRECTION_LIMIT`], and a ray inside boxes at a distance of at most D along each axis has `|t·d| ≤ D`; so that moves it by
+/// at most 2·2⁻⁵⁴·2³⁰·D = 2u·D, where the margin of 16u·D has 6u·D to spare (`cluster_frame`).
+const SHORTEST: f32 = 1.0 / (1u64 << 54) as f32;
+
+/// A component of a direction as bundles take it.
+#[inline(always)]
+pub(super) fn lengthened(component: f32) -> f32 {
+    if component.abs() < SHORTEST {
+        SHORTEST
+    } else {
+        component
+    }
+}
+
 /// 2⁻¹¹⁸: a `t` that underflows is off by at most 2⁻¹⁵⁰, which is a length of 2⁻¹²⁰ along such a direction.
 const FLOOR: f32 = 1.0 / (1u128 << 118) as f32;
 
@@ -31,7 +46,7 @@ pub(super) struct RayBundle {
 
 impl RayBundle {
     /// Of some rays, but for numbers among them that are none; `None` where they do not all run the same way along each
-    /// axis, or their directions are too long or short.
+    /// axis, or their directions are too long or short. Rays that hardly move along an axis run forwards.
     pub(super) fn around(level: SimdLevel, rays: &[Ray]) -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
         if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {
@@ -69,6 +84,8 @@ impl RayBundle {
 
     #[inline(always)]
     fn new(origin: [[f32; 3]; 2], [low, high]: [[f32; 3]; 2], [t_min, t_max]: [f32; 2]) -> Option<Self> {
+        let lengthened = |d: [f32; 3]| [lengthened(d[0]), lengthened(d[1]), lengthened(d[2])];
+        let (low, high) = (lengthened(low), lengthened(high));
         let mut longest = 0.0f32;
         for k in 0..3 {
             let (shortest, length) = if low[k] > 0.0 {
@@ -76,7 +93,7 @@ impl RayBundle {
             } else {
                 (-high[k], -low[k])
             };
-            if shortest < f32::MIN_POSITIVE || length > DIRECTION_LIMIT {
+            if shortest < SHORTEST || length > DIRECTION_LIMIT {
                 return None;
             }
             longest = longest.max(shortest);

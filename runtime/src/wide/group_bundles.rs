@@ -28,7 +28,15 @@ impl GroupBundles {
         for row in 0..7 {
             let mut lanes = [simd.splat8(0.0); GROUP];
             for group in 0..GROUP {
-                lanes[group] = simd.load8(&groups[group].rows[row]);
+                let RayGroup {
+                    rows,
+                    inverse_direction,
+                    ..
+                } = &groups[group];
+                lanes[group] = simd.load8(match row {
+                    3..6 => &inverse_direction[row - 3],
+                    _ => &rows[row],
+                });
             }
             let [a, b, c, d, e, f, g, h] = simd.transpose8(lanes);
             let least = simd.min8(
@@ -45,9 +53,8 @@ impl GroupBundles {
                     simd.store8(greatest, &mut self.origin[1][row]);
                 }
                 3..6 => {
-                    let one = simd.splat8(1.0);
-                    simd.store8(simd.div8(one, greatest), &mut self.inverse_direction[0][row - 3]);
-                    simd.store8(simd.div8(one, least), &mut self.inverse_direction[1][row - 3]);
+                    simd.store8(least, &mut self.inverse_direction[0][row - 3]);
+                    simd.store8(greatest, &mut self.inverse_direction[1][row - 3]);
                 }
                 _ => {
                     simd.store8(least, &mut self.start);

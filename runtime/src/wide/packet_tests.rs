@@ -47,6 +47,11 @@ fn random_rays(random: &mut Rng, triangles: &[Triangle], scale: f32) -> Vec<Ray>
     let moved = [0.0, 0.05][random.usize(..2)];
     let length = [1.0, 1e-6, 1e6, 1e-12][random.usize(..4)] / scale;
     let count = [1, 7, 8, 30, 63, 64][random.usize(..6)];
+    // Now and then all of them are nearly parallel to a plane, or to an axis.
+    let flat: [bool; 3] = match random.u32(..4) {
+        0 => std::array::from_fn(|_| random.bool()),
+        _ => [false; 3],
+    };
     let ray = |_| {
         let mut near = |reach: f32| (random.f32() * 2.0 - 1.0) * reach * scale;
         let origin: [f32; 3] = std::array::from_fn(|k| eye[k] + near(moved));
@@ -58,6 +63,9 @@ fn random_rays(random: &mut Rng, triangles: &[Triangle], scale: f32) -> Vec<Ray>
             towards = std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
         }
         let mut ray = Ray::new(origin, std::array::from_fn(|k| (towards[k] - origin[k]) * length));
+        for k in (0..3).filter(|k| flat[*k]) {
+            ray.direction[k] = [0.0, -0.0, 1e-20, -1e-20][random.usize(..4)] * length;
+        }
         match random.u32(..1000) {
             0 => ray.direction[0] = 0.0,
             1 => ray.direction[1] = f32::NAN,
@@ -345,7 +353,7 @@ fn bundles_visit_what_each_ray_visits_alone() {
 fn eight_rays_hit_what_each_of_them_hits() {
     let mut random = Rng::with_seed(34);
     let (mut hits, mut ends) = (0, 0);
-    for round in 0..20_000 {
+    for round in 0..25_000 {
         let scale = [1.0, 1e-15, 1e15, 1e-30, 1e30][round % 5];
         let triangles = random_triangles(&mut random, 4, scale);
         let mut rays = random_rays(&mut random, &triangles, scale.clamp(1e-20, 1e20));

@@ -1,3 +1,4 @@
+use super::bundle::lengthened;
 use crate::{Aabb, Ray, simd::Lanes, triangle::PreparedRay};
 
 /// Rays that are tested at once.
@@ -11,6 +12,8 @@ const ALL: u32 = (1 << GROUP) - 1;
 pub(super) struct RayGroup {
     /// Origin, direction, `t_min`, and the `t` beyond which no hit matters.
     pub rows: [[f32; GROUP]; 8],
+    /// Of directions as bundles take them ([`lengthened`]).
+    pub inverse_direction: [[f32; GROUP]; 3],
     /// Bits of the lanes that hold a ray. The others repeat the last one, and end before they begin.
     pub used: u32,
     shear: [[f32; GROUP]; 2],
@@ -44,6 +47,7 @@ impl GroupHits {
 impl RayGroup {
     pub(super) const NONE: Self = Self {
         rows: [[0.0; GROUP]; 8],
+        inverse_direction: [[0.0; GROUP]; 3],
         used: 0,
         shear: [[0.0; GROUP]; 2],
         axes: Axes::Mixed,
@@ -68,6 +72,11 @@ impl RayGroup {
         self.used = ALL >> (GROUP - 1 - last);
         self.rows[7][last + 1..].fill(f32::NEG_INFINITY);
         self.prepare(simd, [rows[3], rows[4], rows[5]]);
+        for (inverse, components) in self.inverse_direction.iter_mut().zip(&self.rows[3..6]) {
+            for (inverse, component) in inverse.iter_mut().zip(components) {
+                *inverse = 1.0 / lengthened(*component);
+            }
+        }
         // Finite only where all six are.
         let finite = simd.lt8(sum, simd.splat8(f32::INFINITY));
         let some = simd.lt8(
@@ -200,13 +209,13 @@ impl RayGroup {
         let (mut enter, mut exit) = (simd.load8(&enter), simd.load8(&exit));
         for k in 0..3 {
             let origin = simd.load8(&self.rows[k]);
-            let inverse = simd.div8(simd.splat8(1.0), simd.load8(&self.rows[3 + k]));
+            let inverse = simd.load8(&self.inverse_direction[k]);
             let outwards = simd.splat8(outwards[k]);
             let low = simd.sub8(simd.splat8(bounds.min[k]), simd.add8(origin, outwards));
             let high = simd.sub8(simd.splat8(bounds.max[k]), simd.sub8(origin, outwards));
             let (low, high) = (simd.mul8(low, inverse), simd.mul8(high, inverse));
             // All rays of a bundle run the same way.
-            let (near, far) = if self.rows[3 + k][0] > 0.0 {
+            let (near, far) = if self.inverse_direction[k][0] > 0.0 {
                 (low, high)
             } else {
                 (high, low)
