@@ -6,8 +6,9 @@
 use super::{
     span::Span,
     span_map::{Numbers, SpanMap, less_identity},
+    world_span::{WorldSpan, spectral_bound},
 };
-use glam::DAffine3;
+use glam::{DAffine3, DMat3};
 use restpose_formats::{
     Model,
     geom::{Affine, round::UNIT_ROUNDOFF},
@@ -23,16 +24,17 @@ pub(crate) struct Chord {
     pub stray: Vec<f64>,
 }
 
-/// The bones of a palette over a span, for what their rounding does to relative motions. Norms are Frobenius norms.
+/// The bones of a palette over a span, for what their rounding does to relative motions.
 pub(crate) struct BoneSpans {
     bones: Vec<BoneSpan>,
 }
 
 #[derive(Clone, Copy)]
 struct BoneSpan {
+    /// Bounds the Frobenius norm of the linear part.
     linear: f64,
     translation: f64,
-    /// Bounds the norm of the inverse; `None` where nothing does.
+    /// Bounds the spectral norm of the inverse; `None` where nothing does.
     inverse: Option<f64>,
 }
 
@@ -41,46 +43,34 @@ struct BoneSpan {
 const SECOND_ORDER: f64 = 1.0 + 1.0 / 64.0;
 
 impl BoneSpans {
+    /// By norms, which do not grow along a chain of joints ([`WorldSpan`]): of a tail of 50 joints, entries bounded one by one
+    /// made boxes of 10²⁶ times its size.
     pub(crate) fn new(model: &Model, span: &Span) -> Self {
-        // World from node and node from world.
-        let mut worlds: Vec<(SpanMap, Option<SpanMap>)> = Vec::with_capacity(span.nodes.len());
+        let worlds = WorldSpan::all(model, span);
+        let mut inverses: Vec<Option<f64>> = Vec::with_capacity(span.nodes.len());
         for (row, node) in model.nodes.iter().zip(&span.nodes) {
-            let [outer, inner] = node.forward();
-            let local = outer.after(&inner);
-            let inverse = node.backward().map(|[outer, inner]| outer.after(&inner));
-            worlds.push(match row.parent {
-                NONE => (local, inverse),
-                parent => {
-                    let (world, from_world) = &worlds[parent as usize];
-                    let inverse = inverse.zip(from_world.as_ref());
-                    (
-                        world.after(&local),
-                        inverse.map(|(inverse, from_world)| inverse.after(from_world)),
-                    )
-                }
+            let own = node.inverse_norm();
+            inverses.push(match row.parent {
+                NONE => own,
+                parent => own
+                    .zip(inverses[parent as usize])
+                    .map(|(own, from_world)| own * from_world),
             });
         }
         let bone = |bone: &BoneRow| {
-            let columns = bind_columns(&bone.inverse_bind());
-            let unbind = DAffine3::from_cols_array_2d(&columns).inverse();
-            let unbind = unbind.is_finite().then(|| SpanMap::constant(unbind.to_cols_array_2d()));
-            let bind = SpanMap::constant(columns);
-            let (map, inverse) = match bone.node {
-                NONE => (bind, unbind),
-                node => {
-                    let (world, from_world) = &worlds[node as usize];
-                    let inverse = unbind.zip(from_world.as_ref());
-                    (
-                        world.after(&bind),
-                        inverse.map(|(unbind, from_world)| unbind.after(from_world)),
-                    )
-                }
+            let [x, y, z, offset] = bind_columns(&bone.inverse_bind());
+            let linear = [x, y, z];
+            let unbind = DMat3::from_cols_array_2d(&linear).inverse();
+            let unbind = unbind.is_finite().then(|| spectral_bound(&unbind.to_cols_array_2d()));
+            let (world, from_world) = match bone.node {
+                NONE => (&WorldSpan::IDENTITY, Some(1.0)),
+                node => (&worlds[node as usize], inverses[node as usize]),
             };
-            let size = map.magnitude();
+            let size = world.linear.size + world.linear.error;
             BoneSpan {
-                linear: norm(&size[..9]),
-                translation: norm(&size[9..]),
-                inverse: inverse.map(|inverse| norm(&inverse.magnitude()[..9])),
+                linear: 3f64.sqrt() * size * spectral_bound(&linear),
+                translation: size * norm(&offset) + world.offset.size + world.offset.error,
+                inverse: unbind.zip(from_world).map(|(unbind, from_world)| unbind * from_world),
             }
         };
         Self {

@@ -9,7 +9,10 @@
 //! Nothing bounds a span in which a scale may pass through zero, or a cubic of quaternions does. Such spans are in no
 //! envelope of the clusters that they concern: the runtime finds their poses outside and widens the boxes.
 
-use super::span_map::{SpanMap, SpanNumber};
+use super::{
+    span_map::{SpanMap, SpanNumber},
+    world_span::spectral_bound,
+};
 use glam::{DMat3, DQuat, DVec4};
 use restpose_formats::{
     Model,
@@ -102,6 +105,20 @@ impl NodeSpan {
                 .after(&SpanMap::scale(self.scale)),
         };
         [SpanMap::translation(self.translation), linear]
+    }
+
+    /// Bounds the spectral norm of the linear part of [`Self::backward`]; `None` where nothing does.
+    pub(super) fn inverse_norm(&self) -> Option<f64> {
+        if let Some(columns) = self.matrix {
+            let inverse = DMat3::from_cols_array_2d(&columns).inverse();
+            return inverse.is_finite().then(|| spectral_bound(&inverse.to_cols_array_2d()));
+        }
+        let mut greatest = 0.0f64;
+        for scale in self.scale {
+            let (low, high) = scale.inverted()?.range();
+            greatest = greatest.max(low.abs()).max(high.abs());
+        }
+        Some(greatest)
     }
 
     /// Node from parent; `None` where a scale may be zero.

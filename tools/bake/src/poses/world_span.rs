@@ -175,7 +175,7 @@ fn linear_norms(node: &NodeSpan) -> Norms {
 }
 
 /// Bounds the spectral norm of a matrix by the greatest sum of a row of `|MᵀM|`: exact where its columns are orthogonal.
-fn spectral_bound(columns: &[[f64; 3]; 3]) -> f64 {
+pub(super) fn spectral_bound(columns: &[[f64; 3]; 3]) -> f64 {
     let square = DMat3::from_cols_array_2d(columns);
     let square = (square.transpose() * square).to_cols_array_2d();
     let row = |k: usize| square.iter().map(|column| column[k].abs()).sum::<f64>();
