@@ -216,8 +216,8 @@ impl Motions {
         if place.is_nan() { 0.0 } else { place.clamp(-1.0, 1.0) }
     }
 
-    /// The excess over the envelopes that may hold the pose, and the few that are nearest. `nearest` is tried first, and in
-    /// the end is where the least was found.
+    /// The excess over the envelopes that may hold the pose, and the few that are nearest; `nearest` becomes the one where the
+    /// least was found.
     fn nearest_envelope(&mut self, space: &PoseSpace, morph_weights: &[f32], nearest: &mut u32) -> [f64; 3] {
         let marked: [f64; MARKS] = space.marks.map(|mark| {
             let motion = self.motions.get(mark.mover).zip(space.movers.get(mark.mover));

@@ -28,6 +28,33 @@ fn camera(frame: &Frame, side: usize, from: [f32; 3]) -> Vec<Ray> {
         .collect()
 }
 
+/// Parallel rays along an axis, in tiles: as of an orthographic camera, or of the sun at noon.
+fn parallel(frame: &Frame, side: usize, axis: usize, sign: f32) -> Vec<Ray> {
+    let bounds = frame.bounds();
+    (0..side * side)
+        .map(|index| {
+            let (tile, place, tiles) = (index / 64, index % 64, side / 8);
+            let across = [
+                (tile % tiles * 8 + place % 8) as f32 / side as f32,
+                (tile / tiles * 8 + place / 8) as f32 / side as f32,
+            ];
+            let mut origin = [0.0; 3];
+            for (step, part) in (1..).zip(across) {
+                let k = (axis + step) % 3;
+                origin[k] = bounds.min[k] + part * (bounds.max[k] - bounds.min[k]);
+            }
+            origin[axis] = if sign > 0.0 {
+                bounds.min[axis] - 1.0
+            } else {
+                bounds.max[axis] + 1.0
+            };
+            let mut direction = [0.0, -0.0, 0.0];
+            direction[axis] = sign;
+            Ray::new(origin, direction)
+        })
+        .collect()
+}
+
 fn assert_alike(name: &str, frame: &Frame, rays: &[Ray]) -> usize {
     let alone: Vec<_> = rays.iter().map(|ray| frame.closest_hit(ray)).collect();
     let mut hits = vec![None; rays.len()];
@@ -75,6 +102,11 @@ fn batches_answer_what_single_rays_do() {
             let name = format!("{}, {posing:?}", path.display());
             for from in [[0.1, 0.2, 1.4], [-1.0, 0.6, 0.3], [0.0, 0.1, 0.2]] {
                 hits += assert_alike(&name, &frame, &camera(&frame, 48, from));
+            }
+            for axis in 0..3 {
+                for sign in [1.0, -0.5] {
+                    hits += assert_alike(&name, &frame, &parallel(&frame, 32, axis, sign));
+                }
             }
             let oracle = Oracle::new(&frame, &instances);
             let mixed: Vec<Ray> = Rays::new(&oracle, index as u64).take(700).collect();

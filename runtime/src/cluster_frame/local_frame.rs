@@ -33,8 +33,8 @@ pub(crate) struct LocalFrame {
 }
 
 impl LocalFrame {
-    /// `None` where numbers overflow. The inverse has rows; `extent` bounds the magnitudes in the local box, with the excess; `vertex_error` is what
-    /// points 1 and 2 add to in world space, where `bounds_world` holds the cluster.
+    /// `None` where numbers overflow. The inverse has rows; `extent` bounds the magnitudes in the local box, with the excess;
+    /// `vertex_error` is what points 1 and 2 add to in world space, where `bounds_world` holds the cluster.
     #[inline(always)]
     pub(super) fn new(
         inputs: &FrameInputs,
@@ -126,9 +126,10 @@ impl LocalFrame {
     }
 
     /// The ray in local space, with this cluster's margin for it, and the margin for boxes that follow the pose. `t` is the
-    /// same in both spaces.
+    /// same in both spaces. The direction's longest component is at least one (point 6).
     #[inline]
     pub(crate) fn enter(&self, origin: [f32; 3], direction: [f32; 3], bounds_world: &Aabb) -> (SlabRay, [f32; 3]) {
+        debug_assert!(direction.iter().any(|d| d.abs() >= 1.0), "{direction:?}");
         let from_center: [f32; 3] = std::array::from_fn(|k| origin[k] - self.center_world[k]);
         let product = |v: [f32; 3], k: usize| {
             let row = self.linear[k];

@@ -22,8 +22,8 @@
 //! 5. *Triangle test.* A hit is an exact hit of a triangle moved by [`VERTEX_ERROR`]·D per axis, D the greatest
 //!    distance per axis from the ray's origin to the cluster's world box.
 //! 6. *Ray.* Transforming origin and direction costs γ₅ and γ₃ times `|L|·D`, for `|t·d|∞ ≤ D` wherever the ray is
-//!    inside the world box; plus u·|c_l|. A component of the direction that is shorter than u·Σ|L| is lengthened to that,
-//!    which moves the ray by at most as much times D.
+//!    inside the world box; plus u·|c_l|. A component of the local direction that is shorter than u·Σ|L| is lengthened to
+//!    that. The longest component of d is at least one, so `|t| ≤ D` there, and the ray moves by at most u·Σ|L|·D.
 //! 7. *Slabs.* `((plane − o) ∓ margin)·(1/d)` has four roundings, 4u relative to `|plane − o|`.
 //!
 //! 1 to 4 make [`LocalFrame::margin_local`], fixed for the frame; 5 to 7 are [`RAY_ERROR`]`·D·Σ|L|` and a term in
@@ -68,7 +68,8 @@ use restpose_formats::geom::{
 /// nothing.
 const EXTENT_LIMIT: f64 = (1u128 << 126) as f64;
 
-/// The same in world space, where no ray is transformed: triangle test 6u, slabs 4u; 16u covers them.
+/// The same in world space, where no ray is transformed: triangle test 6u, slabs 4u, and in bundles directions that are
+/// lengthened 2u; 16u covers them.
 pub(crate) const WORLD_RAY_ERROR: f32 = (VERTEX_ERROR + 10.0 * UNIT_ROUNDOFF) as f32;
 
 /// 2⁻¹⁴⁰: covers what gradual underflow adds to the sums above, at most 2⁻¹⁵⁰ per operation. Taken once in local units

@@ -2,7 +2,6 @@ use super::{
     NodeLocal,
     slerp::{LANES, slerp},
 };
-
 use crate::simd::{Four, SimdLevel};
 
 /// The way between two keys of a rotation.

@@ -7,7 +7,7 @@ use crate::{
     excess::{Excess, Motions},
     mover_maps::MoverMaps,
     refitted_tree::RefittedTree,
-    simd::{SimdLevel, prefetch},
+    simd::prefetch,
     vertex::{greater, moved},
 };
 use restpose_formats::rows::{ClusterRow, NONE};
@@ -109,7 +109,7 @@ impl ClusterState {
         }
         first();
         prefetch(std::slice::from_ref(&self.posed));
-        let posed = self.pose(SimdLevel::detect(), prepared, asset, bounds_world, motions);
+        let posed = self.pose(prepared, asset, bounds_world, motions);
         self.posed.get_or_init(|| posed)
     }
 
@@ -124,17 +124,10 @@ impl ClusterState {
         &self.refitted
     }
 
-    /// The same bits at every level: nothing is fused, and compilers make vectors of what is written as arrays.
-    fn pose(
-        &self,
-        level: SimdLevel,
-        prepared: &Prepared,
-        asset: &Asset,
-        bounds_world: &Aabb,
-        motions: &mut Motions,
-    ) -> PosedCluster {
+    /// Compiled for AVX2 where there is one: compilers make vectors of what is written as arrays, and nothing is fused.
+    fn pose(&self, prepared: &Prepared, asset: &Asset, bounds_world: &Aabb, motions: &mut Motions) -> PosedCluster {
         #[cfg(target_arch = "x86_64")]
-        if let (SimdLevel::Avx2, Some(_)) = (level, Avx2::new()) {
+        if Avx2::new().is_some() {
             #[target_feature(enable = "avx2,popcnt")]
             fn compiled(
                 state: &ClusterState,

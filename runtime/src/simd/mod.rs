@@ -4,8 +4,9 @@
 //! operations are those of IEEE 754 in the same order, nothing is fused. [`Portable`] is always compiled; it is what
 //! other machines run and what tests compare with.
 //!
-//! Everything between a kernel's entry and these operations must be `#[inline(always)]`, and no closure: what is compiled
-//! on its own is compiled without the instructions, and calls each of them as a function (measured: half the speed).
+//! Everything between a kernel's entry and these operations must be `#[inline(always)]`, and no closure but those that such a
+//! function takes and calls in place, as [`four`] does: what is compiled on its own is compiled without the instructions, and
+//! calls each of them as a function (measured: half the speed).
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

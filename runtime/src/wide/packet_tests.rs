@@ -1,4 +1,4 @@
-use super::{boxes::WideBoxes, ray_group::RayGroup, *};
+use super::{boxes::WideBoxes, bundle::lengthened, ray_group::RayGroup, *};
 #[cfg(target_arch = "x86_64")]
 use crate::simd::Avx2;
 use crate::{
@@ -325,6 +325,10 @@ fn bundles_visit_what_each_ray_visits_alone() {
                 for (id, triangle) in (0..).zip(&world.triangles) {
                     let bounds = Aabb::around(*triangle);
                     if !world.bounds.contains_box(&bounds) || !meets_alone(&rays[place], &bounds, &world.bounds) {
+                        continue;
+                    }
+                    // Those count as a little turned: only what they hit is certain.
+                    if rays[place].direction.iter().any(|d| lengthened(*d) != *d) {
                         continue;
                     }
                     let with_others = bundle.leaves.iter().find(|(leaf, ..)| *leaf == id);

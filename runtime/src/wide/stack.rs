@@ -16,31 +16,31 @@ pub(super) const SIZE: usize = 7 * MOST_NODES + 1;
 pub(crate) struct WideStack {
     /// Where the ray enters their boxes.
     enter: [f32; SIZE],
-    /// Packed.
-    children: [u32; SIZE],
+    /// What they are, in the walk's own terms.
+    tags: [u32; SIZE],
 }
 
 impl WideStack {
     pub(crate) const fn new() -> Self {
         Self {
             enter: [0.0; SIZE],
-            children: [0; SIZE],
+            tags: [0; SIZE],
         }
     }
 
-    /// Where the ray enters the child at a place, and the child.
+    /// Where the ray enters the child at a place, and its tag.
     #[inline(always)]
     pub(super) fn at(&self, place: usize) -> (f32, u32) {
-        (self.enter[place], self.children[place])
+        (self.enter[place], self.tags[place])
     }
 
     /// Eight places from `first` on.
     #[inline(always)]
     pub(super) fn eight(&mut self, first: usize) -> (&mut [f32; 8], &mut [u32; 8]) {
         let enter = self.enter[first..].first_chunk_mut();
-        let children = self.children[first..].first_chunk_mut();
-        match (enter, children) {
-            (Some(enter), Some(children)) => (enter, children),
+        let tags = self.tags[first..].first_chunk_mut();
+        match (enter, tags) {
+            (Some(enter), Some(tags)) => (enter, tags),
             _ => unreachable!("a tree is no deeper than the stack"),
         }
     }
