@@ -79,15 +79,12 @@ fn product([x, y, z, offset]: &[Four; 4], b: &[Four; 4]) -> [Four; 4] {
 #[inline(always)]
 pub(crate) fn posed_map(transform: &Map64, x: &Affine) -> Affine {
     if transform.is_identity() {
-        return *x;
-    }
-    let columns = widened(x);
-    let columns = if columns == IDENTITY {
-        transform.columns
+        *x
+    } else if *x == Affine::IDENTITY {
+        rounded(&transform.columns)
     } else {
-        product(&transform.columns, &columns)
-    };
-    rounded(&columns)
+        rounded(&product(&transform.columns, &widened(x)))
+    }
 }
 
 #[inline(always)]
