@@ -48,6 +48,7 @@
 //! Only a file that was baked with sampled bounds promises less: the poses of its sample section, under any instance
 //! transform.
 
+mod affine64;
 mod asset;
 mod asset_instance;
 mod atomic;

@@ -10,7 +10,7 @@ use restpose_formats::geom::{
 
 /// Ray-dependent part of the margin, per unit of `Σ|L|·D`: triangle test 6u, ray transform γ₅ + γ₃ ≤ 8.1u, slabs 4u,
 /// directions that are lengthened ([`SHORTEST`]) 1u, and the rounding of the margin itself; 24u covers them.
-const RAY_ERROR: f32 = (VERTEX_ERROR + 18.0 * UNIT_ROUNDOFF) as f32;
+pub(super) const RAY_ERROR: f32 = (VERTEX_ERROR + 18.0 * UNIT_ROUNDOFF) as f32;
 
 /// Components of directions in local space are at least this long, per unit of what stands for `Σ|L|` in the margin: u·`Σ|L|`.
 /// Along shorter ones a ray moves by less than u·`Σ|L|`·D before it has passed the cluster, and by as much with this one, which

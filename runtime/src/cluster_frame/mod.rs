@@ -26,7 +26,7 @@
 //!    that. The longest component of d is at least one, so `|t| ≤ D` there, and the ray moves by at most u·Σ|L|·D.
 //! 7. *Slabs.* `((plane − o) ∓ margin)·(1/d)` has four roundings, 4u relative to `|plane − o|`.
 //!
-//! 1 to 4 make [`LocalFrame::margin_local`], fixed for the frame; 5 to 7 are [`RAY_ERROR`]`·D·Σ|L|` and a term in
+//! 1 to 4 make [`LocalFrame::margin_local`], fixed for the frame; 5 to 7 are [`local_frame::RAY_ERROR`]`·D·Σ|L|` and a term in
 //! the size of the local box, added when a ray enters. Boxes that follow the pose hold in every pose: for them
 //! [`LocalFrame::margin_posed`] has what rounding adds to their planes (`mover_maps`) in place of point 4.
 //!
@@ -68,7 +68,7 @@ use restpose_formats::geom::{
 /// nothing.
 const EXTENT_LIMIT: f64 = (1u128 << 126) as f64;
 
-/// The same in world space, where no ray is transformed: triangle test 6u, slabs 4u, and in bundles directions that are
+/// [`local_frame::RAY_ERROR`] in world space, where no ray is transformed: triangle test 6u, slabs 4u, and in bundles directions that are
 /// lengthened 2u; 16u covers them.
 pub(crate) const WORLD_RAY_ERROR: f32 = (VERTEX_ERROR + 10.0 * UNIT_ROUNDOFF) as f32;
 

@@ -1,24 +1,27 @@
 use super::{F64_CHAIN, SMALLEST_NORMAL};
-use crate::simd::{Four, four};
+use crate::{
+    affine64::Affine64,
+    simd::{Four, four},
+};
 use restpose_formats::geom::Affine;
 
-/// An affine map in `f64`, with bounds of the magnitudes that entered its entries. Columns of three, and a number that means
-/// nothing.
+/// An affine map in `f64`, with bounds of the magnitudes that entered its entries.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Map64 {
-    columns: [Four; 4],
-    magnitudes: [Four; 4],
+    map: Affine64,
+    magnitudes: Affine64,
 }
 
 impl Map64 {
     /// A stored map, exactly.
     #[inline(always)]
     pub(crate) fn new(map: &Affine) -> Self {
-        let columns = widened(map);
-        let [x, y, z, offset] = columns;
+        let map = Affine64::from_affine(map);
+        let [x, y, z, offset] = map.columns;
+        let columns = [magnitude(x), magnitude(y), magnitude(z), magnitude(offset)];
         Self {
-            columns,
-            magnitudes: [magnitude(x), magnitude(y), magnitude(z), magnitude(offset)],
+            map,
+            magnitudes: Affine64 { columns },
         }
     }
 
@@ -31,33 +34,14 @@ impl Map64 {
 
     /// `Σ weight·map` over two maps; weights are not negative.
     pub(crate) fn blend(weights: [f64; 2], [a, b]: &[Self; 2]) -> Self {
-        let mix = |a: &[Four; 4], b: &[Four; 4]| {
-            std::array::from_fn(|j| four(|k| weights[0] * a[j][k] + weights[1] * b[j][k]))
+        let mix = |a: &Affine64, b: &Affine64| Affine64 {
+            columns: std::array::from_fn(|j| four(|k| weights[0] * a.columns[j][k] + weights[1] * b.columns[j][k])),
         };
         Self {
-            columns: mix(&a.columns, &b.columns),
+            map: mix(&a.map, &b.map),
             magnitudes: mix(&a.magnitudes, &b.magnitudes),
         }
     }
-
-    #[inline(always)]
-    fn is_identity(&self) -> bool {
-        self.columns == IDENTITY
-    }
-}
-
-const IDENTITY: [Four; 4] = [
-    [1.0, 0.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0, 0.0],
-    [0.0, 0.0, 1.0, 0.0],
-    [0.0; 4],
-];
-
-#[inline(always)]
-fn widened(map: &Affine) -> [Four; 4] {
-    let wide = |[x, y, z]: [f32; 3]| [f64::from(x), f64::from(y), f64::from(z), 0.0];
-    let [x, y, z, offset] = map.columns;
-    [wide(x), wide(y), wide(z), wide(offset)]
 }
 
 #[inline(always)]
@@ -65,34 +49,15 @@ fn magnitude(column: Four) -> Four {
     four(|k| column[k].abs())
 }
 
-/// The columns of `a` after `b`.
-#[inline(always)]
-fn product([x, y, z, offset]: &[Four; 4], b: &[Four; 4]) -> [Four; 4] {
-    let turned = |v: &Four, offset: &Four| four(|k| x[k] * v[0] + y[k] * v[1] + z[k] * v[2] + offset[k]);
-    let [a, b, c, d] = b;
-    // Adding zero turns −0 into +0.
-    let zero = [0.0; 4];
-    [turned(a, &zero), turned(b, &zero), turned(c, &zero), turned(d, offset)]
-}
-
 /// The map of [`PosedMap::product`] alone, the same bits: what vertices are posed by.
 #[inline(always)]
 pub(crate) fn posed_map(transform: &Map64, x: &Affine) -> Affine {
-    if transform.is_identity() {
+    if transform.map == Affine64::IDENTITY {
         *x
     } else if *x == Affine::IDENTITY {
-        rounded(&transform.columns)
+        transform.map.to_affine()
     } else {
-        rounded(&product(&transform.columns, &widened(x)))
-    }
-}
-
-#[inline(always)]
-fn rounded(columns: &[Four; 4]) -> Affine {
-    let round = |[x, y, z, _]: Four| [x as f32, y as f32, z as f32];
-    let [x, y, z, offset] = *columns;
-    Affine {
-        columns: [round(x), round(y), round(z), round(offset)],
+        transform.map.after(&Affine64::from_affine(x)).to_affine()
     }
 }
 
@@ -118,27 +83,26 @@ impl PosedMap {
     pub(crate) fn weighted(weight: f64, maps: &[&Map64]) -> Self {
         let mut total: Option<Map64> = None;
         for map in maps.iter().rev() {
-            if map.is_identity() {
+            if map.map == Affine64::IDENTITY {
                 continue;
             }
             total = Some(match total {
                 None => **map,
                 Some(inner) => Map64 {
-                    columns: product(&map.columns, &inner.columns),
-                    magnitudes: product(&map.magnitudes, &inner.magnitudes),
+                    map: map.map.after(&inner.map),
+                    magnitudes: map.magnitudes.after(&inner.magnitudes),
                 },
             });
         }
-        let total = match total {
+        let Map64 { mut map, magnitudes } = match total {
             Some(total) => total,
             None => Map64::new(&Affine::IDENTITY),
         };
-        let mut columns = total.columns;
-        for column in &mut columns {
+        for column in &mut map.columns {
             *column = four(|k| column[k] * weight);
         }
-        let map = rounded(&columns);
-        let (kept, entering) = (widened(&map), &total.magnitudes);
+        let map = map.to_affine();
+        let (kept, entering) = (Affine64::from_affine(&map).columns, magnitudes.columns);
         let mut magnitude = [[0.0; 4]; 4];
         for j in 0..4 {
             // A subnormal entry is rounded by up to 2⁻¹⁵⁰, which is u times the last term.
@@ -150,7 +114,7 @@ impl PosedMap {
     /// The map's columns.
     #[inline(always)]
     pub(super) fn columns(&self) -> [Four; 4] {
-        widened(&self.map)
+        Affine64::from_affine(&self.map).columns
     }
 
     /// `N·(|p|, 1)` for points with `|p| ≤ extent`.
@@ -164,12 +128,12 @@ impl PosedMap {
 /// What [`PosedMap::reach`] of the product of a transform and a bone's map is, without that product: `posed` is its map. With
 /// `|T||X|·p = |T|·(|X|·p)` a third of the multiplications are left.
 ///
-/// It is E of point 2 but for the order of a dozen roundings in `f64`, each 2⁻⁵³ of a sum of positive numbers. The factor that
-/// E gets, u + γₙ, has [`F64_SLACK`] of 2⁻⁴⁴ relatively for such ([`vertex_error`]).
+/// It is E of point 2 but for the order of a dozen roundings in `f64`, each 2⁻⁵³ of a sum of positive numbers. The factor
+/// that E gets, u + γₙ, has 2⁻⁴⁴ relatively to spare for such ([`vertex_error`](super::vertex_error)).
 #[inline(always)]
 pub(crate) fn posed_reach(transform: &Affine, x: &Affine, posed: &Affine, extent: [f64; 3]) -> Four {
     let images = |map: &Affine, p: [f64; 3]| {
-        let [x, y, z, offset] = widened(map);
+        let [x, y, z, offset] = Affine64::from_affine(map).columns;
         four(|k| x[k].abs() * p[0] + y[k].abs() * p[1] + z[k].abs() * p[2] + offset[k].abs())
     };
     let [a, b, c, _] = images(x, extent);

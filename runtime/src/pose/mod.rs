@@ -3,16 +3,14 @@
 mod arcs;
 mod curve;
 mod node_local;
-mod node_map;
 mod palette;
 mod slerp;
 
 pub use node_local::NodeLocal;
 
-use crate::simd::SimdLevel;
+use crate::{affine64::Affine64, simd::SimdLevel};
 use arcs::Arcs;
 use curve::{Curve, Rotation};
-use node_map::NodeMap;
 use palette::write_palette;
 use restpose_formats::{ModelView, geom::Affine, rows::Path};
 
@@ -47,7 +45,7 @@ impl Clone for Pose {
 pub struct PoseEvaluator {
     locals: Vec<NodeLocal>,
     arcs: Arcs,
-    worlds: Vec<NodeMap>,
+    worlds: Vec<Affine64>,
 }
 
 impl PoseEvaluator {

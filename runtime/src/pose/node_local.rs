@@ -1,4 +1,5 @@
-use super::{curve::normalized, node_map::NodeMap};
+use super::curve::normalized;
+use crate::affine64::Affine64;
 use restpose_formats::rows::Local;
 
 /// A node's local map in a pose: parent from node, in `f64`.
@@ -42,8 +43,8 @@ impl NodeLocal {
             Self::Trs { rotation, .. } => *rotation = normalized(after(*rotation, turn)),
             Self::Matrix(columns) => {
                 let [x, y, z] = axes(turn);
-                let turn = NodeMap::new(&[x, y, z, [0.0; 3]]);
-                *columns = NodeMap::new(columns).after(&turn).columns();
+                let turn = Affine64::new(&[x, y, z, [0.0; 3]]);
+                *columns = Affine64::new(columns).after(&turn).numbers();
             }
         }
     }
@@ -71,9 +72,9 @@ impl NodeLocal {
 
     /// Translation · rotation · scale (glTF 2.0 §3.5.3).
     #[inline(always)]
-    pub(super) fn map(&self) -> NodeMap {
+    pub(super) fn map(&self) -> Affine64 {
         match self {
-            Self::Matrix(columns) => NodeMap::new(columns),
+            Self::Matrix(columns) => Affine64::new(columns),
             Self::Trs {
                 translation,
                 rotation,
@@ -81,7 +82,7 @@ impl NodeLocal {
             } => {
                 let axes = axes(*rotation);
                 let scaled = |k: usize| [axes[k][0] * scale[k], axes[k][1] * scale[k], axes[k][2] * scale[k]];
-                NodeMap::new(&[scaled(0), scaled(1), scaled(2), *translation])
+                Affine64::new(&[scaled(0), scaled(1), scaled(2), *translation])
             }
         }
     }
@@ -135,12 +136,12 @@ mod tests {
             rotation: [0.0, 0.0, 1.0, 0.0],
             scale: [1.0; 3],
         };
-        let mut matrix = NodeLocal::Matrix(node.map().columns());
+        let mut matrix = NodeLocal::Matrix(node.map().numbers());
         node.turn(CYCLE);
         matrix.turn(CYCLE);
         // x goes to y by the turn, then to −y by the node; y to z and stays; z to x, then to −x.
         let expected = [[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], translation];
-        assert_eq!(node.map().columns(), expected);
+        assert_eq!(node.map().numbers(), expected);
         assert_eq!(matrix, NodeLocal::Matrix(expected));
     }
 

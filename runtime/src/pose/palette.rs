@@ -1,7 +1,7 @@
-use super::{NodeLocal, node_map::NodeMap};
+use super::NodeLocal;
 #[cfg(target_arch = "x86_64")]
 use crate::simd::Avx2;
-use crate::{Affine, simd::SimdLevel};
+use crate::{Affine, affine64::Affine64, simd::SimdLevel};
 use restpose_formats::rows::{BoneRow, NONE, NodeRow};
 
 /// Writes asset space from the space of each node, and the palette that this makes: of a pose, whose `locals` are those of the
@@ -12,7 +12,7 @@ pub(super) fn write_palette(
     level: SimdLevel,
     skeleton: (&[NodeRow], &[BoneRow]),
     locals: &[NodeLocal],
-    worlds: &mut Vec<NodeMap>,
+    worlds: &mut Vec<Affine64>,
     palette: &mut Vec<Affine>,
 ) {
     #[cfg(target_arch = "x86_64")]
@@ -21,7 +21,7 @@ pub(super) fn write_palette(
         fn compiled(
             skeleton: (&[NodeRow], &[BoneRow]),
             locals: &[NodeLocal],
-            worlds: &mut Vec<NodeMap>,
+            worlds: &mut Vec<Affine64>,
             palette: &mut Vec<Affine>,
         ) {
             write(skeleton, locals, worlds, palette);
@@ -37,7 +37,7 @@ pub(super) fn write_palette(
 fn write(
     (nodes, bones): (&[NodeRow], &[BoneRow]),
     locals: &[NodeLocal],
-    worlds: &mut Vec<NodeMap>,
+    worlds: &mut Vec<Affine64>,
     palette: &mut Vec<Affine>,
 ) {
     worlds.clear();
@@ -57,7 +57,7 @@ fn write(
         palette.push(if bone.node == NONE {
             Affine::IDENTITY
         } else {
-            let inverse_bind = NodeMap::from_affine(&bone.inverse_bind());
+            let inverse_bind = Affine64::from_affine(&bone.inverse_bind());
             worlds[bone.node as usize].after(&inverse_bind).to_affine()
         });
     }

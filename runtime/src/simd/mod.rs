@@ -5,7 +5,7 @@
 //! other machines run and what tests compare with.
 //!
 //! Everything between a kernel's entry and these operations must be `#[inline(always)]`, and no closure but those that such a
-//! function takes and calls in place, as [`four`] does: what is compiled on its own is compiled without the instructions, and
+//! function takes and calls in place, as [`four()`] does: what is compiled on its own is compiled without the instructions, and
 //! calls each of them as a function (measured: half the speed).
 
 #[cfg(target_arch = "x86_64")]

@@ -159,8 +159,8 @@ impl RayBundle {
 ///
 /// # Why it misses nothing that one of its rays hits
 ///
-/// Take each ray with its direction [`lengthened`], which the margin has room for. The bundle's margin is that of the ray with the greatest distance, and its origins are the outermost of all. Rounding is
-/// monotone, so `a = fl(plane − near)` is not above what [`WideRay`](super::WideRay) computes for any of the rays; and a
+/// Take each ray with its direction [`lengthened`], which the margin has room for. The bundle's margin is that of the ray with
+/// the greatest distance, and its origins are the outermost of all. Rounding is monotone, so `a = fl(plane − near)` is not above what [`WideRay`](super::WideRay) computes for any of the rays; and a
 /// product being monotone in either factor, the lesser of `fl(a·i)` over both ends i of the interval of inverses is not
 /// above that ray's. Far planes go the other way. So where such a ray's own test passes, the bundle's does. That directions are
 /// not scaled here changes only what underflows, which the floor of the margin covers, and by how much they are lengthened.

@@ -17,7 +17,8 @@ pub(crate) trait Limited {
 /// is over; whether it did.
 ///
 /// Children are taken in the order in which the ray enters their boxes, of those within eight units in the last place the
-/// first place first, leaves and nodes alike; what begins beyond the limit, which may have moved, is dropped. The order is the same at every `level`.
+/// first place first, leaves and nodes alike; what begins beyond the limit, which may have moved, is dropped. The order is the
+/// same at every `level`.
 /// To take a lone child without the stack was no faster: 0.95 against 0.92 us a ray through a whole of 147k triangles.
 ///
 /// `nodes[root]` is the root; its own box is not tested.
