@@ -124,7 +124,7 @@ sections! {
     key_values: f32,
     /// Poses from which the fuzzy boxes were made.
     samples: SampleRow,
-    /// Bounds of each clip and, last, of the pose without any clip; empty where none are known.
+    /// Bounds of each stretch of each clip and, last, of the pose without any clip; empty where none are known.
     clip_bounds: ClipBoundsRow,
     /// Vertex caches, one per part that has one.
     caches: CacheRow,

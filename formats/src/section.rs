@@ -60,7 +60,7 @@ section_kinds! {
     KeyTimes b"KTIM" f32: "Key times.",
     KeyValues b"KVAL" f32: "Key values.",
     Samples b"SAMP" SampleRow: "Sampled poses.",
-    ClipBounds b"CBND" ClipBoundsRow: "Bounds of the clips.",
+    ClipBounds b"CBND" ClipBoundsRow: "Bounds of the stretches of clips.",
     Caches b"CACH" CacheRow: "Vertex caches.",
     Segments b"SEGM" SegmentRow: "Time segments of the caches.",
     Tracks b"TRAK" TrackRow: "Tracks.",

@@ -1,4 +1,3 @@
-use crate::geom::Aabb;
 use bytemuck::{Pod, Zeroable};
 
 /// An animation clip. Its name is in the metadata.
@@ -13,6 +12,27 @@ pub struct ClipRow {
     pub channel_first: u32,
     /// Channel rows.
     pub channel_count: u32,
+}
+
+/// Stretches of equal length that a clip's time is divided into, for bounds of each.
+pub const STRETCHES: usize = 32;
+
+impl ClipRow {
+    /// The stretch that a time falls into, counted from 0: below [`STRETCHES`]. This is what divides a clip, and not any
+    /// border between the stretches: it is computed in `f32`, as written in `FORMAT.md`, so that all who compute it agree.
+    ///
+    /// Guarantee: a later time is in no earlier stretch. Times before the clip are in its first one, times after it in the
+    /// last; all times of a clip without length, and a NaN, are in the first. So are those of a clip whose length, or
+    /// stretches per second, are beyond `f32`.
+    #[inline]
+    #[must_use]
+    pub fn stretch(&self, seconds: f32) -> usize {
+        let rate = STRETCHES as f32 / (self.end_seconds - self.start_seconds);
+        let rate = if rate.is_finite() { rate } else { 0.0 };
+        // The cast saturates, and makes a NaN zero.
+        let place = ((seconds - self.start_seconds) * rate) as usize;
+        place.min(STRETCHES - 1)
+    }
 }
 
 /// What a channel moves.
@@ -114,46 +134,67 @@ pub struct SampleRow {
     pub seconds: f32,
 }
 
-/// Where the triangles of an asset are during a clip.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct ClipBoundsRow {
-    /// Contains, in exact arithmetic, every mix `Σ w·(X·p)` of every vertex of every triangle with area, in asset space: at
-    /// every time of the clip, with the palette and the morph weights of that time as rounded to `f32`.
-    /// [`Aabb::EMPTY`] where nothing is known.
-    pub bounds: Aabb,
-    /// Bounds, per axis, the magnitudes `|X|·|p| + |t|` that enter these mixes, for every bone and every vertex that it
-    /// moves: rounding at run time is relative to them. Zero where nothing is known.
-    pub reach: [f32; 3],
-    /// Bounds `|p₀| + |p₁| + |p₂|` of every `p`, a rest position as morphed, term by term. Zero where nothing is known.
-    pub rest_reach: f32,
-    /// 1 where `bounds` holds, 0 where nothing is known.
-    pub known: u32,
-}
-
-impl ClipBoundsRow {
-    /// The row of a clip that nothing bounds.
-    pub const UNKNOWN: Self = Self {
-        bounds: Aabb::EMPTY,
-        reach: [0.0; 3],
-        rest_reach: 0.0,
-        known: 0,
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::{
+        num::f32::{NORMAL, SUBNORMAL, ZERO},
+        prelude::*,
     };
 
-    /// The row of a clip that stays within `bounds`; fields as they are named.
-    #[must_use]
-    pub fn within(bounds: Aabb, reach: [f32; 3], rest_reach: f32) -> Self {
-        Self {
-            bounds,
-            reach,
-            rest_reach,
-            known: 1,
+    fn clip(start_seconds: f32, end_seconds: f32) -> ClipRow {
+        ClipRow {
+            start_seconds,
+            end_seconds,
+            channel_first: 0,
+            channel_count: 1,
         }
     }
 
-    /// True where the bounds hold.
-    #[must_use]
-    pub fn is_known(&self) -> bool {
-        self.known != 0
+    #[test]
+    fn stretches_divide_a_clip_evenly() {
+        let clip = clip(-1.0, 3.0);
+        for stretch in 0..STRETCHES {
+            let begin = -1.0 + stretch as f32 * 0.125;
+            assert_eq!(clip.stretch(begin), stretch);
+            assert_eq!(clip.stretch(begin + 0.1), stretch);
+        }
+        assert_eq!(clip.stretch(3.0), STRETCHES - 1);
+    }
+
+    #[test]
+    fn times_outside_of_a_clip_are_in_the_stretches_at_its_ends() {
+        let clip = clip(1.0, 2.0);
+        for before in [f32::NEG_INFINITY, f32::MIN, -3.0, 1f32.next_down()] {
+            assert_eq!(clip.stretch(before), 0, "at {before}");
+        }
+        for after in [2f32.next_up(), 3.0, f32::MAX, f32::INFINITY] {
+            assert_eq!(clip.stretch(after), STRETCHES - 1, "at {after}");
+        }
+    }
+
+    /// Clips of no length, of too great a one, and of one that has too many stretches a second.
+    #[test]
+    fn clips_that_cannot_be_divided_are_all_first_stretch() {
+        for clip in [clip(1.0, 1.0), clip(-3e38, 3e38), clip(0.0, 1e-40)] {
+            for seconds in [f32::NAN, f32::NEG_INFINITY, f32::MIN, 0.0, 1.0, f32::MAX, f32::INFINITY] {
+                assert_eq!(clip.stretch(seconds), 0, "{clip:?} at {seconds}");
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn later_times_are_in_no_earlier_stretches(
+            ends in [NORMAL | SUBNORMAL | ZERO, NORMAL | SUBNORMAL | ZERO],
+            times in [NORMAL | SUBNORMAL | ZERO, NORMAL | SUBNORMAL | ZERO],
+            part in 0f32..1.0,
+        ) {
+            let clip = clip(ends[0].min(ends[1]), ends[0].max(ends[1]));
+            prop_assert!(clip.stretch(times[0].min(times[1])) <= clip.stretch(times[0].max(times[1])));
+            // Near each other and inside of the clip, where rounding counts.
+            let near = clip.start_seconds + part * (clip.end_seconds - clip.start_seconds);
+            prop_assert!(clip.stretch(near) <= clip.stretch(near.next_up()));
+        }
     }
 }

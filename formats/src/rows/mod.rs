@@ -4,6 +4,7 @@
 
 mod cache;
 mod clip;
+mod clip_bounds;
 mod cluster;
 mod envelope;
 mod kd_node;
@@ -16,7 +17,8 @@ mod vertex;
 mod wide_node;
 
 pub use cache::{CacheRow, KeyRow, KeyVertexRow, SegmentRow, TrackRow};
-pub use clip::{ChannelRow, ClipBoundsRow, ClipRow, Interpolation, Path, SampleRow};
+pub use clip::{ChannelRow, ClipRow, Interpolation, Path, STRETCHES, SampleRow};
+pub use clip_bounds::ClipBoundsRow;
 pub use cluster::{ClusterBoneRow, ClusterRow};
 pub use envelope::{BoneEnvelopeRow, ClusterMorphRow, LeverRow, MorphEnvelopeRow, PoseSpaceRow};
 pub use kd_node::{KdNode, KdNodeRow, MAX_KD_DEPTH};

@@ -5,6 +5,7 @@ use crate::{
     fixture::{FLAG, FLAG_CACHE, SPARK, SPARK_CACHE, model},
     golden::V1_3,
 };
+use restpose_formats::rows::ClipBoundsRow;
 
 pub fn u16_at(bytes: &[u8], at: usize) -> u16 {
     u16::from_le_bytes([bytes[at], bytes[at + 1]])
@@ -269,6 +270,44 @@ fn positions_of_caches_are_as_the_text_says() {
     assert_eq!(positions_of_cache(SPARK_CACHE), [[SPARK.to_vec()]]);
     let flag = FLAG.map(|key| key.to_vec());
     assert_eq!(positions_of_cache(FLAG_CACHE), [flag[..3].to_vec(), flag[2..].to_vec()]);
+}
+
+/// The stretch of a time of a row of CLIP.
+fn stretch(clip: &[u8], seconds: f32) -> usize {
+    let [start, end] = f32s(clip, 0);
+    let mut rate = 32.0 / (end - start);
+    if !rate.is_finite() {
+        rate = 0.0;
+    }
+    let place = (seconds - start) * rate;
+    if place.is_nan() || place < 0.0 {
+        0
+    } else if place >= 32.0 {
+        31
+    } else {
+        place.trunc() as usize
+    }
+}
+
+#[test]
+fn stretches_are_as_the_text_says() {
+    let model = model();
+    let clips = rows(b"CLIP");
+    assert_eq!(rows(b"CBND").len(), 32 * clips.len() + 1);
+    for (number, clip) in clips.iter().enumerate() {
+        let [start, end]: [f32; 2] = f32s(clip, 0);
+        for part in -8..=136 {
+            let border = start + (end - start) * part as f32 / 128.0;
+            for seconds in [border.next_down(), border, border.next_up()] {
+                let expected = ClipBoundsRow::row_at(&model.clips, Some(number), seconds);
+                assert_eq!(
+                    number * 32 + stretch(clip, seconds),
+                    expected,
+                    "clip {number} at {seconds}"
+                );
+            }
+        }
+    }
 }
 
 #[test]

@@ -225,23 +225,25 @@ rules! {
     sample_times_are_finite:
         |m| m.samples.push(SampleRow { clip: NONE, seconds: f32::NAN }) => at!(Samples, 2, NotFinite { .. }),
 
-    clip_bounds_are_one_per_clip_and_one_more:
-        |m| { m.clip_bounds.pop(); } => RowCount { section: ClipBounds, expected: 3, found: 2 },
+    clip_bounds_are_one_per_stretch_of_each_clip_and_one_more:
+        |m| { m.clip_bounds.pop(); } => RowCount { section: ClipBounds, expected: 65, found: 64 },
+    clip_bounds_are_not_one_per_clip:
+        |m| m.clip_bounds.truncate(3) => RowCount { section: ClipBounds, expected: 65, found: 3 },
     clip_bounds_are_finite:
-        |m| m.clip_bounds[0].bounds.max[1] = f32::INFINITY
-        => at!(ClipBounds, 0, NotFinite { field: "bounds", .. }),
+        |m| m.clip_bounds[31].bounds.max[1] = f32::INFINITY
+        => at!(ClipBounds, 31, NotFinite { field: "bounds", .. }),
     clip_bounds_are_not_empty:
-        |m| m.clip_bounds[2].bounds.max[2] = -6.0 => at!(ClipBounds, 2, EmptyBox { field: "bounds", axis: 2, .. }),
+        |m| m.clip_bounds[64].bounds.max[2] = -6.0 => at!(ClipBounds, 64, EmptyBox { field: "bounds", axis: 2, .. }),
     clip_bounds_are_empty_where_they_are_unknown:
-        |m| m.clip_bounds[1].bounds.max[2] = 0.0 => at!(ClipBounds, 1, UnknownBounds),
+        |m| m.clip_bounds[63].bounds.max[2] = 0.0 => at!(ClipBounds, 63, UnknownBounds),
     clip_bounds_are_known_or_not:
-        |m| m.clip_bounds[0].known = 2 => at!(ClipBounds, 0, UnknownNumber { field: "known", found: 2, limit: 2 }),
+        |m| m.clip_bounds[31].known = 2 => at!(ClipBounds, 31, UnknownNumber { field: "known", found: 2, limit: 2 }),
     clip_bounds_reach_no_less_than_nothing:
-        |m| m.clip_bounds[0].reach[2] = -1.0 => at!(ClipBounds, 0, Negative { field: "reach", .. }),
+        |m| m.clip_bounds[31].reach[2] = -1.0 => at!(ClipBounds, 31, Negative { field: "reach", .. }),
     clip_bounds_reach_finitely_far:
-        |m| m.clip_bounds[2].rest_reach = f32::NAN => at!(ClipBounds, 2, NotFinite { field: "rest_reach", .. }),
+        |m| m.clip_bounds[64].rest_reach = f32::NAN => at!(ClipBounds, 64, NotFinite { field: "rest_reach", .. }),
     clip_bounds_reach_nowhere_where_they_are_unknown:
-        |m| m.clip_bounds[1].reach[0] = 1.0 => at!(ClipBounds, 1, UnknownBounds),
+        |m| m.clip_bounds[63].reach[0] = 1.0 => at!(ClipBounds, 63, UnknownBounds),
 
     cluster_bones_in_frames_are_in_range:
         |m| m.clusters[1].bone = 3 => at!(Clusters, 1, IndexOutOfRange { field: "bone", .. }),
