@@ -92,14 +92,15 @@ impl AssetInstance {
         // The trees of free motion are built on all cores, which a ray on its way must not wait for; and of a vertex cache
         // the bounds are those of its tracks.
         self.bounds = if asset.model().caches.is_empty() {
-            let pose = match &self.state.pose {
-                PoseSource::Default => BoundedPose::Clip(None),
-                PoseSource::Clip { clip, .. } => BoundedPose::Clip(Some(*clip)),
-                PoseSource::Given(pose) => {
-                    BoundedPose::Given(&pose.palette, morph_extent(asset.model(), &pose.morph_weights))
-                }
+            let (model, InstanceState { transform, pose }) = (asset.model(), &self.state);
+            let pose = match pose {
+                PoseSource::Given(pose) => Some(BoundedPose::Given(
+                    &pose.palette,
+                    morph_extent(model, &pose.morph_weights),
+                )),
+                clip => clip.clip_bounds_row(model.clips).map(BoundedPose::Clip),
             };
-            posed_bounds(&asset, &self.state.transform, pose)
+            pose.and_then(|pose| posed_bounds(&asset, transform, pose))
         } else {
             None
         }
@@ -119,10 +120,7 @@ impl AssetInstance {
         prepared.prepare(&self.pool, *transform, limits, |evaluator, out| {
             pose.evaluate(self.asset().model(), evaluator, out);
         });
-        prepared.stretch = match *pose {
-            PoseSource::Clip { clip, seconds } => Some(self.asset().envelope_hints().stretch(clip, seconds)),
-            PoseSource::Default | PoseSource::Given(_) => None,
-        };
+        prepared.stretch = pose.clip_bounds_row(self.asset().model().clips);
         if let Err(late) = self.prepared.set(prepared) {
             self.pool.put(late);
         }

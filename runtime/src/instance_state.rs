@@ -1,5 +1,8 @@
 use crate::{Affine, Pose, PoseError, PoseEvaluator};
-use restpose_formats::ModelView;
+use restpose_formats::{
+    ModelView,
+    rows::{ClipBoundsRow, ClipRow},
+};
 use std::sync::Arc;
 
 /// Where an instance stands and how: its transform and its pose. A small value: a clip and a time, or a shared palette.
@@ -52,6 +55,15 @@ impl InstanceState {
 }
 
 impl PoseSource {
+    /// The row of clip bounds that holds for it, if the file has any; `None` for a pose of the caller's.
+    pub(crate) fn clip_bounds_row(&self, clips: &[ClipRow]) -> Option<usize> {
+        match *self {
+            Self::Default => Some(ClipBoundsRow::row_at(clips, None, 0.0)),
+            Self::Clip { clip, seconds } => Some(ClipBoundsRow::row_at(clips, Some(clip as usize), seconds)),
+            Self::Given(_) => None,
+        }
+    }
+
     /// Writes the pose.
     pub(crate) fn evaluate(&self, model: &ModelView, evaluator: &mut PoseEvaluator, out: &mut Pose) {
         match self {

@@ -47,27 +47,25 @@ pub(crate) fn morph_extent(model: &ModelView, morph_weights: &[f32]) -> [f64; 3]
 /// A pose to bound an instance in.
 #[derive(Clone, Copy)]
 pub(crate) enum BoundedPose<'a> {
-    /// Any of a clip's, or the one without a clip: bounded in the file, if at all.
-    Clip(Option<u32>),
+    /// Any of a stretch of a clip, or the one without a clip, by the row of clip bounds: bounded in the file, if at all.
+    Clip(usize),
     /// A palette, and the [`morph_extent`].
     Given(&'a [Affine], [f64; 3]),
 }
 
 /// World box of an instance of an asset without vertex caches, from what is in the file or from its palette; `None` where
-/// the file does not bound the clip.
+/// the file does not bound it.
 pub(crate) fn posed_bounds(asset: &Asset, world_from_asset: &Affine, pose: BoundedPose) -> Option<Aabb> {
     match pose {
-        BoundedPose::Clip(clip) => {
-            let model = asset.model();
-            let row = clip.map_or(model.clips.len(), |clip| clip as usize);
-            let clip = model.clip_bounds.get(row).filter(|clip| clip.is_known())?;
-            let reach = clip.reach.map(f64::from);
+        BoundedPose::Clip(row) => {
+            let stretch = asset.model().clip_bounds.get(row).filter(|row| row.is_known())?;
+            let reach = stretch.reach.map(f64::from);
             Some(in_world(
                 asset,
                 world_from_asset,
-                &clip.bounds,
+                &stretch.bounds,
                 reach,
-                clip.rest_reach.into(),
+                stretch.rest_reach.into(),
             ))
         }
         BoundedPose::Given(palette, morphed) => {

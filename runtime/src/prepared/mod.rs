@@ -66,7 +66,7 @@ pub(crate) struct Prepared {
     /// Trees over posed triangles, of clusters in free motion.
     pub trees: Vec<BoxTree>,
     limits: PosingLimits,
-    /// The stretch of the clip that it is a pose of.
+    /// The row of clip bounds, of a stretch of a clip as a rule, that it is a pose of.
     pub stretch: Option<usize>,
     demand: Demand,
     memo: Kept<VertexMemo>,

@@ -10,7 +10,11 @@ use crate::{
     trees,
 };
 use rayon::prelude::*;
-use restpose_formats::{Bounds, Hashes, Model, geom::Aabb, rows::MotionClass};
+use restpose_formats::{
+    Bounds, Hashes, Model,
+    geom::Aabb,
+    rows::{ClipBoundsRow, MotionClass},
+};
 use std::time::Instant;
 
 /// A baked animation.
@@ -109,8 +113,8 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
     model.meta.bounds = settings.bounds;
     model.meta.tree = settings.tree;
 
-    let of_clips = model.clip_bounds.iter().take(model.clips.len());
-    let bounded_clips = of_clips.filter(|clip| clip.is_known()).count();
+    let is_bounded = |clip: &usize| ClipBoundsRow::around_clip(&model.clip_bounds, *clip).is_some();
+    let bounded_clips = (0..model.clips.len()).filter(is_bounded).count();
     let reasons = classes.into_iter().map(|class| class.reason);
     let parts = part_reports(&model, &carried, reasons.zip(caches));
     let report = BakeReport {

@@ -73,7 +73,7 @@ pub struct StageSeconds {
     pub build: f64,
     /// Vertex caches: clusters, tracks, positions, boxes and trees.
     pub caches: f64,
-    /// Bounds of whole clips.
+    /// Bounds of the stretches of clips.
     pub clip_bounds: f64,
 }
 

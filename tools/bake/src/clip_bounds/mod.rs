@@ -1,5 +1,5 @@
-//! Where an asset is during whole clips: one box per clip that holds at every time, so that an instance that plays it is
-//! bounded without a palette.
+//! Where an asset is during clips: one box per stretch of a clip that holds at every time of it, so that an instance that
+//! plays it is bounded without a palette, and nearly as tightly as by one.
 //!
 //! # Why it holds
 //!
@@ -17,15 +17,17 @@
 //!    the norms' errors, which the same chain adds up. With `L = Σ|Bⱼ||pⱼ| + |b|` they move the image by at most
 //!    `error·L + |error of t|`, and the products with B and with p by some roundings of `‖W‖·L + |t|`.
 //! 4. *Rounding to `f32`.* A palette's entry is off by u relative to it, or by 2⁻¹⁵⁰: the image by `u·(|X||p| + |t|)` and
-//!    `2⁻¹⁵⁰·(1 + Σ|pⱼ|)`. Times are `f32` and so in some span; before the first key and after the last one a clip stands
-//!    still, as it does at these keys.
+//!    `2⁻¹⁵⁰·(1 + Σ|pⱼ|)`.
+//! 5. *Times.* The spans of a stretch, with what happens at their begins and ends, hold every time that is in it
+//!    ([`spans`]).
 //!
-//! Spans whose bounds reach out of the box around the ends of all of them are halved, so what the box has beyond the clip's
-//! own motion is at most [`SLACK_PART`] of its sides; or more where a clip has too many spans. No inverse is taken: scales
-//! may pass through zero.
+//! Spans whose bounds reach out of the box around the ends of all of a stretch are halved, so what the box has beyond the
+//! stretch's own motion is at most [`SLACK_PART`] of its sides; or more where a stretch has too many spans. No inverse is
+//! taken: scales may pass through zero.
 
 mod moved_bones;
 mod span_box;
+mod spans;
 
 #[cfg(doc)]
 use crate::poses::WorldSpan;
@@ -38,9 +40,10 @@ use restpose_formats::{
         Aabb,
         round::{f32_above, f32_below},
     },
-    rows::ClipBoundsRow,
+    rows::{ClipBoundsRow, STRETCHES},
 };
 use span_box::{Box3, SpanBox};
+use spans::{key_times, spans};
 
 /// Part of a box's sides that the bounds of what is between the ends of spans may add on each of them.
 const SLACK_PART: f64 = 1.0 / 256.0;
@@ -48,10 +51,10 @@ const SLACK_PART: f64 = 1.0 / 256.0;
 /// How often a span is halved at most.
 const MOST_HALVINGS: u32 = 12;
 
-/// Spans that are halved no further than they are, for a clip has too many that would have to be.
-const MOST_SPANS: usize = 16_384;
+/// Spans that are halved no further than they are, for a stretch has too many that would have to be.
+const MOST_SPANS: usize = 512;
 
-/// A row per clip and one for the pose without any; none for an asset with vertex caches, which are bounded by their keys.
+/// A row per stretch of each clip and one for the pose without any; none for an asset with vertex caches, which are bounded by their keys.
 ///
 /// Guarantee: the same rows on any number of threads.
 ///
@@ -63,30 +66,37 @@ pub(crate) fn clip_bounds(model: &Model, progress: &dyn Progress) -> Vec<ClipBou
     }
     let bones = moved_bones(model);
     let clip = |clip| {
+        let keys = key_times(model, clip);
+        let stretch = |stretch| {
+            let spans = spans(&model.clips[clip], &keys, stretch);
+            of_spans(model, &bones, clip, spans).unwrap_or(ClipBoundsRow::UNKNOWN)
+        };
+        let rows: Vec<_> = (0..STRETCHES).into_par_iter().map(stretch).collect();
         progress.advance(1);
-        of_clip(model, &bones, clip).unwrap_or(ClipBoundsRow::UNKNOWN)
+        rows
     };
+    let clips: Vec<_> = (0..model.clips.len()).into_par_iter().map(clip).collect();
     let at_rest = SpanBox::new(model, &bones, &Span::at_rest(model)).and_then(|at_rest| row(&at_rest));
-    (0..model.clips.len())
-        .map(clip)
+    clips
+        .into_iter()
+        .flatten()
         .chain([at_rest.unwrap_or(ClipBoundsRow::UNKNOWN)])
         .collect()
 }
 
-/// `None` where nothing bounds one of its spans.
-fn of_clip(model: &Model, bones: &[MovedBone], clip: usize) -> Option<ClipBoundsRow> {
-    let mut stretches = stretches(model, clip);
+/// Of a clip during some spans, at least one; `None` where nothing bounds one of them.
+fn of_spans(model: &Model, bones: &[MovedBone], clip: usize, mut spans: Vec<[f64; 2]>) -> Option<ClipBoundsRow> {
     let (mut ends, mut whole) = (Box3::EMPTY, None);
     for halving in 0..=MOST_HALVINGS {
-        let boxes: Vec<Option<SpanBox>> = stretches
-            .par_iter()
+        let boxes: Vec<Option<SpanBox>> = spans
+            .iter()
             .map(|[begin, end]| SpanBox::new(model, bones, &Span::of_clip(model, clip, *begin, *end)))
             .collect();
         ends = boxes.iter().flatten().fold(ends, |ends, own| ends.union(&own.ends));
         let enough = ends.widened(SLACK_PART);
-        let is_last = halving == MOST_HALVINGS || stretches.len() > MOST_SPANS;
+        let is_last = halving == MOST_HALVINGS || spans.len() > MOST_SPANS;
         let mut halves = Vec::new();
-        for ([begin, end], own) in stretches.into_iter().zip(boxes) {
+        for ([begin, end], own) in spans.into_iter().zip(boxes) {
             let middle = 0.5 * (begin + end);
             let is_done = |own: &SpanBox| is_last || enough.contains(&own.bounds);
             match own.filter(is_done) {
@@ -98,7 +108,7 @@ fn of_clip(model: &Model, bones: &[MovedBone], clip: usize) -> Option<ClipBounds
         if halves.is_empty() {
             break;
         }
-        stretches = halves;
+        spans = halves;
     }
     row(&whole?)
 }
@@ -110,26 +120,6 @@ fn both(a: &SpanBox, b: &SpanBox) -> SpanBox {
         reach: std::array::from_fn(|k| a.reach[k].max(b.reach[k])),
         rest_reach: a.rest_reach.max(b.rest_reach),
     }
-}
-
-/// The times between which no key is, seconds, and the last key's, at which steps happen. One of any time where there are
-/// no keys.
-fn stretches(model: &Model, clip: usize) -> Vec<[f64; 2]> {
-    let row = &model.clips[clip];
-    let channels = &model.channels[row.channel_first as usize..][..row.channel_count as usize];
-    let mut times: Vec<f32> = channels
-        .iter()
-        .flat_map(|channel| &model.key_times[channel.time_first as usize..][..channel.key_count as usize])
-        .copied()
-        .collect();
-    times.sort_by(f32::total_cmp);
-    times.dedup();
-    let last = f64::from(times.last().copied().unwrap_or(0.0));
-    times
-        .windows(2)
-        .map(|pair| [f64::from(pair[0]), f64::from(pair[1])])
-        .chain([[last, last]])
-        .collect()
 }
 
 /// Rounded outwards; `None` where that is beyond all numbers.

@@ -2,7 +2,7 @@ use super::cache_contents::CacheContents;
 use crate::{args::InfoArgs, failure::Failure, input_file, output::Answer, table::Table};
 use restpose_formats::{
     Bounds, ModelView, TreeKind,
-    rows::{MotionClass, NONE},
+    rows::{ClipBoundsRow, MotionClass, NONE},
 };
 use serde::{Serialize, Serializer};
 use std::collections::BTreeSet;
@@ -44,7 +44,7 @@ struct Clip {
     start_seconds: f32,
     end_seconds: f32,
     channels: u32,
-    /// Where the asset is during it; none where nothing bounds it.
+    /// Where the asset is during it; none where nothing bounds some stretch of it.
     bounds: Option<[[f32; 3]; 2]>,
 }
 
@@ -107,11 +107,7 @@ fn report(file: String, file_bytes: u64, model: &ModelView<'_>) -> Report {
         start_seconds: clip.start_seconds,
         end_seconds: clip.end_seconds,
         channels: clip.channel_count,
-        bounds: model
-            .clip_bounds
-            .get(row)
-            .filter(|clip| clip.is_known())
-            .map(|clip| [clip.bounds.min, clip.bounds.max]),
+        bounds: ClipBoundsRow::around_clip(model.clip_bounds, row).map(|bounds| [bounds.min, bounds.max]),
     });
     let clusters = model.clusters.iter().enumerate().map(|(row, cluster)| Cluster {
         bone: cluster.bone,

@@ -6,7 +6,7 @@ use restpose_bake::{
 };
 use restpose_formats::{
     Bounds, Model, ModelView,
-    rows::{ClipRow, Interpolation, NONE},
+    rows::{ClipRow, Interpolation, NONE, STRETCHES},
 };
 use restpose_runtime::{NodeLocal, Pose, PoseEvaluator};
 use std::collections::BTreeMap;
@@ -101,7 +101,8 @@ fn sample_times(model: &ModelView, step: f64) -> Vec<(usize, f32)> {
 fn remove_last_clip(model: &mut Model) {
     let Some(clip) = model.clips.pop() else { return };
     if !model.clip_bounds.is_empty() {
-        model.clip_bounds.remove(model.clips.len());
+        let first = model.clips.len() * STRETCHES;
+        model.clip_bounds.drain(first..first + STRETCHES);
     }
     model.meta.clip_names.pop();
     let own = &model.channels[clip.channel_first as usize..];
