@@ -94,10 +94,10 @@ impl AssetInstance {
         self.bounds = if asset.model().caches.is_empty() {
             let (model, InstanceState { transform, pose }) = (asset.model(), &self.state);
             let pose = match pose {
-                PoseSource::Given(pose) => Some(BoundedPose::Given(
-                    &pose.palette,
-                    morph_extent(model, &pose.morph_weights),
-                )),
+                PoseSource::Given(pose) => {
+                    let morphed = morph_extent(model, &pose.morph_weights);
+                    Some(BoundedPose::Given(&pose.palette, morphed))
+                }
                 clip => clip.clip_bounds_row(model.clips).map(BoundedPose::Clip),
             };
             pose.and_then(|pose| posed_bounds(&asset, transform, pose))

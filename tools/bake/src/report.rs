@@ -23,7 +23,7 @@ pub struct BakeReport {
     pub random_poses: u64,
     /// Clips in the file.
     pub clips: u64,
-    /// Those of them during which the file bounds the asset, so that an instance that plays one has a box without a pose.
+    /// Those of them during all of which the file bounds the asset, so that an instance that plays one has a box without a pose.
     pub clips_bounded: u64,
     /// Sum of the surface areas of all fuzzy boxes, square scene units.
     pub fuzzy_box_area: f64,

@@ -19,7 +19,7 @@
 //! 4. *Rounding to `f32`.* A palette's entry is off by u relative to it, or by 2⁻¹⁵⁰: the image by `u·(|X||p| + |t|)` and
 //!    `2⁻¹⁵⁰·(1 + Σ|pⱼ|)`.
 //! 5. *Times.* The spans of a stretch, with what happens at their begins and ends, hold every time that is in it
-//!    ([`spans`]).
+//!    ([`mod@spans`]).
 //!
 //! Spans whose bounds reach out of the box around the ends of all of a stretch are halved, so what the box has beyond the
 //! stretch's own motion is at most [`SLACK_PART`] of its sides; or more where a stretch has too many spans. No inverse is
@@ -54,12 +54,13 @@ const MOST_HALVINGS: u32 = 12;
 /// Spans that are halved no further than they are, for a stretch has too many that would have to be.
 const MOST_SPANS: usize = 512;
 
-/// A row per stretch of each clip and one for the pose without any; none for an asset with vertex caches, which are bounded by their keys.
+/// A row per stretch of each clip and one for the pose without any; none for an asset with vertex caches, which are
+/// bounded by their keys.
 ///
 /// Guarantee: the same rows on any number of threads.
 ///
-/// Complexity: per clip, its keys and what they are halved into, times nodes and bones; independent of the triangles but
-/// for one pass over their corners.
+/// Complexity: per clip, its stretches, its keys and what they are halved into, times nodes and bones; independent of the
+/// triangles but for one pass over their corners.
 pub(crate) fn clip_bounds(model: &Model, progress: &dyn Progress) -> Vec<ClipBoundsRow> {
     if !model.caches.is_empty() {
         return Vec::new();
