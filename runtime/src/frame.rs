@@ -3,8 +3,7 @@ use crate::{
     cluster_frame::Way,
     excess::Motions,
     instance::Instance,
-    simd::prefetch,
-    trace::{Answer, RayOrder, TraceContext, place, trace, trace_among, trace_together},
+    trace::{Answer, RayOrder, TraceContext, place, trace, trace_among, trace_sorted, trace_together},
     wide::PACKET,
 };
 
@@ -19,9 +18,6 @@ const RAYS_SORTED: usize = 1 << 18;
 #[cfg(feature = "parallel")]
 const _: () = assert!(RAYS_PER_TASK.is_multiple_of(PACKET));
 const _: () = assert!(RAYS_SORTED.is_multiple_of(PACKET));
-
-/// Sorted rays are far from each other in memory: so many before its turn each is asked for.
-const RAYS_AHEAD: usize = 8;
 
 /// A scene that is ready for rays. Copy it freely; any number of threads may trace it at once.
 #[derive(Clone, Copy, Debug)]
@@ -161,16 +157,11 @@ impl Frame<'_> {
                     });
                 });
                 order.sort(rays, &self.bounds());
-                let (places, hits) = order.sorted();
-                self.in_tasks(places.len(), hits, |first, hits, context| {
-                    for (at, hit) in (first..).zip(hits) {
-                        if let Some(later) = places.get(at + RAYS_AHEAD) {
-                            prefetch(std::slice::from_ref(&rays[place(*later)]));
-                        }
-                        *hit = A::find(self.scene, &rays[place(places[at])], 0.0, context);
-                    }
+                let (keys, hits) = order.sorted();
+                self.in_tasks(keys.len(), hits, |first, hits, context| {
+                    trace_sorted::<A>(self.scene, rays, &keys[first..], hits, context);
                 });
-                for (key, hit) in places.iter().zip(hits) {
+                for (key, hit) in keys.iter().zip(hits) {
                     answers[place(*key)] = A::of(*hit);
                 }
             });

@@ -27,10 +27,16 @@ impl VertexMemo {
         }
     }
 
+    /// What [`Self::position`] reads and writes.
+    #[inline]
+    pub(crate) fn row(&self, vertex: u32) -> &[AtomicU32; 4] {
+        &self.rows[vertex as usize]
+    }
+
     /// A vertex's position in this frame; `pose` tells it where it is not known yet, and always tells the same.
     #[inline]
     pub(crate) fn position(&self, vertex: u32, pose: impl FnOnce() -> [f32; 3]) -> [f32; 3] {
-        let [x, y, z, frame] = &self.rows[vertex as usize];
+        let [x, y, z, frame] = self.row(vertex);
         if frame.load(Acquire) == self.frame {
             return [x, y, z].map(|coordinate| f32::from_bits(coordinate.load(Relaxed)));
         }

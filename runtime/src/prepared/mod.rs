@@ -249,6 +249,16 @@ impl Prepared {
         None
     }
 
+    /// [`Self::enter`], and counts a ray that goes through the whole.
+    #[inline]
+    pub(crate) fn enter_counted(&self, pool: &PreparedPool) -> Option<&Whole> {
+        let whole = self.enter(pool);
+        if whole.is_some() {
+            self.count_whole(1);
+        }
+        whole
+    }
+
     /// Counts rays that went through the whole.
     #[inline]
     pub(crate) fn count_whole(&self, rays: u32) {
@@ -284,6 +294,20 @@ impl Prepared {
 
     pub(crate) fn morph_extent(&self) -> [f64; 3] {
         self.morph_extent
+    }
+
+    /// Asks for what [`Self::pose_triangle`] reads of a triangle whose row is near.
+    #[inline]
+    pub(crate) fn prefetch_corners(&self, model: &ModelView, triangle: u32) {
+        for corner in model.triangles[triangle as usize].corners {
+            if let Some(whole) = self.whole.get() {
+                prefetch(std::slice::from_ref(&whole.positions[corner as usize]));
+            } else if let Some(memo) = self.memo.get() {
+                prefetch(memo.row(corner));
+            } else {
+                prefetch(std::slice::from_ref(&model.vertices[corner as usize]));
+            }
+        }
     }
 
     /// Poses a triangle's corners in world space. `cache` is that of its part.

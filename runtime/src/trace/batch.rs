@@ -1,14 +1,19 @@
-use super::{InstanceContext, TraceContext, context::PacketContext, enter_instance, trace, traveller::Traveller};
+use super::{
+    TraceContext,
+    context::{FlightContext, PacketContext},
+    flight::Actor,
+    fly::{Departure, IN_FLIGHT, Rays, fly},
+    trace,
+    traveller::Traveller,
+};
 use crate::{
     Hit, InstanceId, Ray,
-    asset_instance::AssetInstance,
-    cluster_frame::SlabRay,
     instance::Instance,
     prepared::Whole,
     scene::Scene,
     set_bits::set_bits,
     simd::prefetch,
-    wide::{self, Bundled, GROUP, GroupHits, PACKET, Part, WideRay, walk_together},
+    wide::{Bundled, GROUP, GroupHits, PACKET, Part, WideStack, walk_together},
 };
 use std::cell::Cell;
 
@@ -82,15 +87,15 @@ fn trace_packet<const ANY: bool, A: Answer>(
 ) -> u64 {
     let bounds = scene.top_level.bounds();
     let TraceContext {
-        stack,
-        instance,
+        flight,
         packet:
             PacketContext {
                 packet,
                 best,
                 travellers,
                 hits,
-                stack: packet_stack,
+                stack,
+                whole_stack,
             },
     } = context;
     // What no bundle says otherwise of.
@@ -125,27 +130,14 @@ fn trace_packet<const ANY: bool, A: Answer>(
                 scene.top_level.nodes(),
                 &together,
                 bundled,
-                packet_stack,
+                stack,
                 &mut |part, bundled| {
                     match part {
-                        Part::Leaf { leaf, groups } => bundle.enter_instance::<ANY>(leaf, groups, bundled, instance),
+                        Part::Leaf { leaf, groups } => {
+                            bundle.enter_instance::<ANY>(leaf, groups, bundled, whole_stack, flight);
+                        }
                         Part::Alone { node, places } => {
-                            bundle.alone::<ANY>(places, bundled, |traveller, start| {
-                                let slab = SlabRay::in_world(traveller.origin, traveller.direction, &bounds);
-                                wide::walk(
-                                    scene.simd,
-                                    scene.top_level.nodes(),
-                                    node,
-                                    &WideRay::new(&slab),
-                                    start,
-                                    traveller,
-                                    stack,
-                                    &mut (),
-                                    &mut |index, traveller, counters| {
-                                        enter_instance::<ANY>(scene, index, 0.0, start, traveller, instance, counters)
-                                    },
-                                );
-                            });
+                            bundle.alone::<ANY>(places, bundled, Departure::Scene { node }, flight);
                         }
                     }
                     bundled.is_over()
@@ -180,59 +172,53 @@ impl Bundle<'_> {
         index: u32,
         groups: u32,
         bundled: &mut Bundled,
-        context: &mut InstanceContext,
+        stack: &mut WideStack,
+        context: &mut FlightContext,
     ) {
         let scene = self.scene;
-        if let Some(Instance::Asset(instance)) = scene.in_slot(index) {
+        let Some(instance) = scene.in_slot(index) else {
+            return;
+        };
+        if let Instance::Asset(instance) = instance {
             let prepared = instance.prepared();
             let whole = prepared.enter(instance.pool()).filter(|whole| !whole.nodes.is_empty());
+            let actor = Actor {
+                id: scene.id(index),
+                asset: instance.asset(),
+                prepared,
+            };
             if let Some(whole) = whole
-                && self.enter_whole::<ANY>(scene.id(index), instance, whole, bundled, context)
+                && self.enter_whole::<ANY>(actor, whole, bundled, stack, context)
             {
                 prepared.count_whole(groups.count_ones() * GROUP as u32);
                 return;
             }
         }
-        let Some(bounds) = scene.in_slot(index).map(Instance::bounds) else {
-            return;
-        };
-        let places = bundled.meeting(scene.simd, groups, &bounds);
-        self.alone::<ANY>(places, bundled, |traveller, start| {
-            enter_instance::<ANY>(scene, index, 0.0, start, traveller, context, &mut ());
-        });
+        let places = bundled.meeting(scene.simd, groups, &instance.bounds());
+        self.alone::<ANY>(places, bundled, Departure::Instance { index }, context);
     }
 
-    /// Traces rays one by one.
+    /// Traces rays that part.
     fn alone<const ANY: bool>(
         &mut self,
         places: u64,
         bundled: &mut Bundled,
-        mut trace: impl FnMut(&mut Traveller, f32),
+        departure: Departure<'_>,
+        context: &mut FlightContext,
     ) {
-        let mut cut = 0;
-        for place in set_bits(places) {
-            if self.ready >> place & 1 == 0 {
-                self.travellers[place] = Traveller::new(&self.rays[place]);
-                self.ready |= 1 << place;
-            }
-            let Some((traveller, start)) = &mut self.travellers[place] else {
-                continue;
-            };
-            if let Some(best) = self.best[place] {
-                if ANY {
-                    continue;
-                }
-                traveller.resume(best);
-            }
-            trace(traveller, *start);
-            if let Some(best) = traveller.best
-                && self.best[place] != Some(best)
-            {
-                self.best[place] = Some(best);
-                bundled.cut(place, if ANY { f32::NEG_INFINITY } else { best.t });
-                cut |= 1 << (place / GROUP);
-            }
+        for place in set_bits(places & !self.ready) {
+            self.travellers[place] = Traveller::new(&self.rays[place]);
         }
+        self.ready |= places;
+        let mut alone = Alone::<ANY> {
+            places,
+            travellers: self.travellers,
+            best: self.best,
+            bundled,
+            cut: 0,
+        };
+        fly::<ANY, IN_FLIGHT, _, _>(self.scene, departure, 0.0, &mut alone, context, &mut ());
+        let cut = alone.cut;
         if cut != 0 {
             bundled.shorten(self.scene.simd, cut);
         }
@@ -241,48 +227,32 @@ impl Bundle<'_> {
     /// False where the rays must go one by one.
     fn enter_whole<const ANY: bool>(
         &mut self,
-        id: InstanceId,
-        instance: &AssetInstance,
+        actor: Actor<'_>,
         whole: &Whole,
         bundled: &mut Bundled,
-        context: &mut InstanceContext,
+        stack: &mut WideStack,
+        context: &mut FlightContext,
     ) -> bool {
-        let bounds = whole.nodes[0].around();
         let Some(together) = bundled.in_world(&whole.nodes) else {
             return false;
         };
-        let InstanceContext {
-            stack, packet_stack, ..
-        } = context;
-        let simd = self.scene.simd;
-        let triangles = instance.asset().model().triangles;
+        let triangles = actor.asset.model().triangles;
         let corners = |triangle: u32| {
             let corners = triangles[triangle as usize].corners;
             corners.map(|corner| whole.positions[corner as usize])
         };
         walk_together(
-            simd,
+            self.scene.simd,
             &whole.nodes,
             &together,
             bundled,
-            packet_stack,
+            stack,
             &mut |part, bundled| {
                 match part {
-                    Part::Leaf { leaf, groups } => self.test::<ANY>(id, leaf, &corners(leaf), groups, bundled),
-                    Part::Alone { node, places } => self.alone::<ANY>(places, bundled, |traveller, start| {
-                        let slab = SlabRay::in_world(traveller.origin, traveller.direction, &bounds);
-                        wide::walk(
-                            simd,
-                            &whole.nodes,
-                            node,
-                            &WideRay::new(&slab),
-                            start,
-                            traveller,
-                            stack,
-                            &mut (),
-                            &mut |triangle, traveller, _| traveller.test(&corners(triangle), id, triangle) && ANY,
-                        );
-                    }),
+                    Part::Leaf { leaf, groups } => self.test::<ANY>(actor.id, leaf, &corners(leaf), groups, bundled),
+                    Part::Alone { node, places } => {
+                        self.alone::<ANY>(places, bundled, Departure::Whole { actor, whole, node }, context);
+                    }
                 }
                 bundled.is_over()
             },
@@ -318,6 +288,48 @@ impl Bundle<'_> {
         }
         if cut != 0 {
             bundled.shorten(self.scene.simd, cut);
+        }
+    }
+}
+
+/// Rays that part from a bundle.
+struct Alone<'a, 'b, const ANY: bool> {
+    /// Those that are still to come.
+    places: u64,
+    travellers: &'a [Option<(Traveller, f32)>],
+    best: &'a mut [Option<Hit>; PACKET],
+    bundled: &'a mut Bundled<'b>,
+    /// Groups of those that found a better hit.
+    cut: u32,
+}
+
+impl<const ANY: bool> Rays for Alone<'_, '_, ANY> {
+    fn next(&mut self) -> Option<(usize, Traveller, f32)> {
+        loop {
+            let place = set_bits(self.places).next()?;
+            self.places &= self.places - 1;
+            let best = self.best[place];
+            if ANY && best.is_some() {
+                continue;
+            }
+            let Some((traveller, start)) = &self.travellers[place] else {
+                continue;
+            };
+            let mut traveller = traveller.clone();
+            if let Some(best) = best {
+                traveller.resume(best);
+            }
+            return Some((place, traveller, *start));
+        }
+    }
+
+    fn landed(&mut self, place: usize, traveller: &Traveller) {
+        if let Some(best) = traveller.best
+            && self.best[place] != Some(best)
+        {
+            self.best[place] = Some(best);
+            self.bundled.cut(place, if ANY { f32::NEG_INFINITY } else { best.t });
+            self.cut |= 1 << (place / GROUP);
         }
     }
 }

@@ -1,4 +1,5 @@
 use super::{
+    fly::IN_FLIGHT,
     moments::Moments,
     traveller::Traveller,
     walk::{EMPTY_LEVEL, Level},
@@ -15,9 +16,7 @@ use std::cell::RefCell;
 
 /// Scratch of a ray's way through a scene. Large: keep one per thread.
 pub(crate) struct TraceContext {
-    /// For the tree over instances.
-    pub(super) stack: WideStack,
-    pub(super) instance: InstanceContext,
+    pub(super) flight: FlightContext,
     pub(super) packet: PacketContext,
 }
 
@@ -31,19 +30,20 @@ pub(super) struct PacketContext {
     pub hits: [GroupHits; PACKET / GROUP],
     /// For the tree over instances.
     pub stack: WideStack,
+    /// For the tree over all triangles of one.
+    pub whole_stack: WideStack,
 }
 
-pub(super) struct InstanceContext {
-    /// For the tree over clusters, or over all triangles.
-    pub stack: WideStack,
-    /// For the tree over all triangles.
-    pub packet_stack: WideStack,
+pub(super) struct FlightContext {
+    /// For the trees that a ray is in, of each of those in flight.
+    pub stacks: [WideStack; IN_FLIGHT],
+    /// For those of a moving instance.
+    pub moving: WideStack,
     pub cluster: ClusterContext,
     pub moments: Moments,
 }
 
 pub(super) struct ClusterContext {
-    pub stack: WideStack,
     pub binary: Level,
     pub motions: Motions,
 }
@@ -51,12 +51,10 @@ pub(super) struct ClusterContext {
 impl TraceContext {
     fn new() -> Self {
         Self {
-            stack: WideStack::new(),
-            instance: InstanceContext {
-                stack: WideStack::new(),
-                packet_stack: WideStack::new(),
+            flight: FlightContext {
+                stacks: [const { WideStack::new() }; IN_FLIGHT],
+                moving: WideStack::new(),
                 cluster: ClusterContext {
-                    stack: WideStack::new(),
                     binary: EMPTY_LEVEL,
                     motions: Motions::default(),
                 },
@@ -68,6 +66,7 @@ impl TraceContext {
                 travellers: vec![None; PACKET],
                 hits: [GroupHits::NONE; PACKET / GROUP],
                 stack: WideStack::new(),
+                whole_stack: WideStack::new(),
             },
         }
     }
@@ -80,7 +79,7 @@ impl TraceContext {
         instance: &'a AssetInstance,
         time: f32,
     ) -> &'a Prepared {
-        self.instance.moments.prepared_at(scene, id.index, instance, time)
+        self.flight.moments.prepared_at(scene, id.index, instance, time)
     }
 
     /// Runs `trace` with the thread's own.

@@ -1,4 +1,4 @@
-use crate::{Hit, InstanceId, Ray, triangle::PreparedRay, wide::Limited};
+use crate::{Hit, InstanceId, Ray, triangle::PreparedRay};
 use restpose_formats::geom::round::{f32_above, f32_below};
 
 /// A ray on its way through the scene.
@@ -73,13 +73,6 @@ impl Traveller {
         self.best = Some(hit);
         self.limit = self.limit_behind(hit.t);
         true
-    }
-}
-
-impl Limited for Traveller {
-    #[inline]
-    fn limit(&self) -> f32 {
-        self.limit
     }
 }
 

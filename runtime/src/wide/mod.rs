@@ -1,6 +1,6 @@
 //! Wide trees: nodes of eight children whose boxes one ray meets in one step.
 //!
-//! One traversal, [`walk`], serves both kinds of node: [`WideNode`]s with boxes in world space (the top level, an
+//! One traversal, [`Descent`], serves both kinds of node: [`WideNode`]s with boxes in world space (the top level, an
 //! instance's top level, trees over posed triangles), and the rows of a file, whose boxes are on one of their cluster's
 //! two lattices in its local space ([`FuzzyRay`]). [`refit`] gives a tree the boxes of this frame, [`append_rows`] takes the topology of a file's
 //! tree, [`collapse`] makes a wide tree of a binary one.
@@ -16,6 +16,7 @@
 mod boxes;
 mod bundle;
 mod collapse;
+mod descent;
 mod fuzzy_ray;
 #[cfg(test)]
 mod fuzzy_ray_tests;
@@ -31,9 +32,9 @@ mod refit;
 mod stack;
 #[cfg(test)]
 mod tests;
-mod walk;
 
 pub(crate) use collapse::collapse;
+pub(crate) use descent::Descent;
 pub(crate) use fuzzy_ray::FuzzyRay;
 pub(crate) use node::{WideNode, append_rows};
 pub(crate) use packet::{Bundled, PACKET, Packet};
@@ -41,5 +42,4 @@ pub(crate) use packet_walk::{Part, walk_together};
 pub(crate) use ray::WideRay;
 pub(crate) use ray_group::{GROUP, GroupHits};
 pub(crate) use refit::{refit, refit_triangles};
-pub(crate) use stack::WideStack;
-pub(crate) use walk::{Limited, walk};
+pub(crate) use stack::{DEPTHS, WideStack};

@@ -1,4 +1,4 @@
-use super::{boxes::WideBoxes, bundle::lengthened, ray_group::RayGroup, *};
+use super::{boxes::WideBoxes, bundle::lengthened, ray_group::RayGroup, tests::visits_below, *};
 #[cfg(target_arch = "x86_64")]
 use crate::simd::Avx2;
 use crate::{
@@ -126,36 +126,10 @@ fn alone(world: &World, ray: &Ray) -> Best {
     best
 }
 
-/// A ray without an end.
-struct Endless;
-
-impl Limited for Endless {
-    fn limit(&self) -> f32 {
-        f32::INFINITY
-    }
-}
-
 /// The leaves below a node that a ray meets.
 fn leaves_below(level: SimdLevel, world: &World, node: u32, ray: &Ray) -> Vec<u32> {
     let wide = WideRay::new(&SlabRay::in_world(ray.origin, ray.direction, &world.bounds));
-    let mut leaves = Vec::new();
-    let visit = &mut |leaf: u32, _: &mut Endless, (): &mut ()| {
-        leaves.push(leaf);
-        false
-    };
-    let stack = &mut WideStack::new();
-    walk(
-        level,
-        &world.nodes,
-        node,
-        &wide,
-        f32::MIN,
-        &mut Endless,
-        stack,
-        &mut (),
-        visit,
-    );
-    leaves
+    visits_below(level, &world.nodes, node, &wide, (f32::MIN, f32::INFINITY), None)
 }
 
 /// How rays came to their hits.

@@ -31,7 +31,7 @@ pub(crate) enum Part {
     Alone { node: u32, places: u64 },
 }
 
-/// As [`walk`](super::walk()), for the rays of a bundle: each child is looked at by those groups of rays whose own bundle meets
+/// As [`Descent`](super::Descent), for the rays of a bundle: each child is looked at by those groups of rays whose own bundle meets
 /// its box, and goes to `visit` where it is a leaf or few rays are left. What `visit` cuts counts from then on.
 ///
 /// Every leaf that a ray may touch is visited with the ray's group, or lies below a node at which the ray goes on alone.

@@ -1,5 +1,5 @@
 use crate::build::MAX_BVH_DEPTH;
-use restpose_formats::rows::MAX_WIDE_DEPTH;
+use restpose_formats::rows::{MAX_WIDE_DEPTH, WideChild};
 
 /// Nodes on the longest way down a tree: one per inner node of a binary tree, and where its leaf holds many references,
 /// one per halving of these.
@@ -7,11 +7,15 @@ pub(super) const MOST_NODES: usize = MAX_BVH_DEPTH + u32::BITS as usize;
 
 const _: () = assert!(MAX_WIDE_DEPTH <= MOST_NODES);
 
-/// Each node on the way down leaves seven siblings behind, the last one eight children.
-pub(super) const SIZE: usize = 7 * MOST_NODES + 1;
+/// Trees that a ray can be in at once: over instances, over the clusters of one or all of its triangles, and over those of a
+/// cluster.
+pub(crate) const DEPTHS: usize = 3;
 
-/// Room for the pending children of one tree: children that the ray meets and that were not looked at yet. What is in it means
-/// nothing between traversals: keep it, making it costs more than a ray does.
+/// Each node on the way down leaves seven siblings behind, the last one of a tree eight children.
+const SIZE: usize = DEPTHS * (7 * MOST_NODES + 1);
+
+/// Room for the pending children of the trees that a ray is in: children that it meets and that were not looked at yet. What is
+/// in it means nothing between traversals: keep it, making it costs more than a ray does.
 #[derive(Clone, Debug)]
 pub(crate) struct WideStack {
     /// Where the ray enters their boxes.
@@ -32,6 +36,19 @@ impl WideStack {
     #[inline(always)]
     pub(super) fn at(&self, place: usize) -> (f32, u32) {
         (self.enter[place], self.tags[place])
+    }
+
+    /// Takes the last of the children above `floor` that the ray enters before `limit`.
+    #[inline(always)]
+    pub(super) fn pop(&self, count: &mut usize, floor: usize, limit: f32) -> Option<u32> {
+        while *count > floor {
+            *count -= 1;
+            let (enter, child) = self.at(*count);
+            if enter <= limit && child != WideChild::EMPTY {
+                return Some(child);
+            }
+        }
+        None
     }
 
     /// Eight places from `first` on.

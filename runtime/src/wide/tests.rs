@@ -1,21 +1,63 @@
 use super::{boxes::WideBoxes, *};
+#[cfg(target_arch = "x86_64")]
+use crate::simd::Avx2;
 use crate::{
     Aabb,
     build::{Bvh, BvhSettings, CheckedBoxes, StreamedBvh},
     cluster_frame::{LatticeRay, SlabRay},
     mover_maps::MoverMaps,
-    simd::SimdLevel,
+    simd::{Lanes, Portable, SimdLevel},
 };
 use fastrand::Rng;
 use restpose_formats::rows::{ReferenceBoxRow, WideChild, WideNodeRow, box_steps};
 
-/// A ray that is cut, or not, by what it visits.
-struct Cut(f32);
-
-impl Limited for Cut {
-    fn limit(&self) -> f32 {
-        self.0
+/// What is visited below a node, in order. With `cut`, visits shorten the ray.
+pub(super) fn visits_below<N: WideBoxes<R>, R>(
+    level: SimdLevel,
+    nodes: &[N],
+    root: u32,
+    ray: &R,
+    (start, limit): (f32, f32),
+    cut: Option<&dyn Fn(u32) -> f32>,
+) -> Vec<u32> {
+    #[cfg(target_arch = "x86_64")]
+    if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {
+        return visits_with(simd, nodes, root, ray, (start, limit), cut);
     }
+    visits_with(Portable, nodes, root, ray, (start, limit), cut)
+}
+
+fn visits_with<S: Lanes, N: WideBoxes<R>, R>(
+    simd: S,
+    nodes: &[N],
+    root: u32,
+    ray: &R,
+    (start, limit): (f32, f32),
+    cut: Option<&dyn Fn(u32) -> f32>,
+) -> Vec<u32> {
+    let mut out = Vec::new();
+    let (mut stack, mut count, mut node) = (WideStack::new(), 0, Some(root));
+    let mut way = Descent {
+        start,
+        limit,
+        floor: 0,
+        // Every other tree is far: to stop at nodes changes nothing.
+        is_far: nodes.len().is_multiple_of(2),
+    };
+    while let Some(child) = way.next(simd, nodes, ray, node, &mut stack, &mut count, &mut ()) {
+        node = match WideChild::unpack(child) {
+            WideChild::Node(node) => Some(node),
+            WideChild::Leaf(leaf) => {
+                out.push(leaf);
+                if let Some(cut) = cut {
+                    way.limit = way.limit.min(cut(leaf));
+                }
+                None
+            }
+            WideChild::Empty => unreachable!("no child is empty"),
+        };
+    }
+    out
 }
 
 fn random_boxes(random: &mut Rng, count: usize, scale: f32) -> Vec<Aabb> {
@@ -95,35 +137,15 @@ fn certainly_meets(origin: [f32; 3], direction: [f32; 3], bounds: &Aabb, (start,
     enter <= exit
 }
 
-/// What is visited, in order. With `cut` set, visits shorten the ray.
+/// The same from the first node on.
 fn visits<N: WideBoxes<R>, R>(
     level: SimdLevel,
     nodes: &[N],
     ray: &R,
-    (start, limit): (f32, f32),
+    range: (f32, f32),
     cut: Option<&dyn Fn(u32) -> f32>,
 ) -> Vec<u32> {
-    let mut out = Vec::new();
-    let mut visit = |leaf: u32, cut_at: &mut Cut, (): &mut ()| {
-        out.push(leaf);
-        if let Some(cut) = cut {
-            cut_at.0 = cut_at.0.min(cut(leaf));
-        }
-        false
-    };
-    let mut stack = WideStack::new();
-    walk(
-        level,
-        nodes,
-        0,
-        ray,
-        start,
-        &mut Cut(limit),
-        &mut stack,
-        &mut (),
-        &mut visit,
-    );
-    out
+    visits_below(level, nodes, 0, ray, range, cut)
 }
 
 const RANGES: [(f32, f32); 4] = [

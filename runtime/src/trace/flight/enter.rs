@@ -1,0 +1,165 @@
+//! Ways into instances, clusters and their trees.
+
+use super::{Actor, Flight, NEAR_TRIANGLES, Next, Tree};
+use crate::{
+    Asset,
+    cluster_frame::{LatticeRay, LocalFrame, SlabRay, Way},
+    mover_maps::MOST_STEPS,
+    prepared::{ClusterState, PosedCluster, Whole},
+    simd::{Lanes, prefetch},
+    stats::Count,
+    trace::{binary_trees::pass_cluster, context::ClusterContext},
+    wide::{FuzzyRay, WideNode, WideRay, WideStack},
+};
+use restpose_formats::TreeKind;
+
+impl<'a> Flight<'a> {
+    /// The ray, ready for a tree in world space.
+    #[inline(always)]
+    pub(super) fn ray_in_world(&self, nodes: &[WideNode]) -> WideRay {
+        let bounds = nodes[0].around();
+        WideRay::new(&SlabRay::in_world(
+            self.traveller.origin,
+            self.traveller.direction,
+            &bounds,
+        ))
+    }
+
+    /// Enters a tree in world space.
+    #[inline(always)]
+    fn enter(&mut self, tree: Tree, nodes: &'a [WideNode]) {
+        let ray = self.ray_in_world(nodes);
+        self.enter_at(tree, nodes, ray, 0);
+    }
+
+    /// Enters a tree in world space in the next step: its root is asked for.
+    #[inline(always)]
+    fn enter_later(&mut self, tree: Tree, nodes: &'a [WideNode]) {
+        prefetch(&nodes[..nodes.len().min(1)]);
+        self.tree = tree;
+        self.world[tree.depth()].0 = nodes;
+        self.floors[tree.depth()] = self.count;
+        self.next = Next::Root;
+    }
+
+    /// Enters a tree in world space at one of its nodes.
+    #[inline(always)]
+    fn enter_at(&mut self, tree: Tree, nodes: &'a [WideNode], ray: WideRay, node: u32) {
+        self.tree = tree;
+        self.world[tree.depth()] = (nodes, ray);
+        self.floors[tree.depth()] = self.count;
+        self.next = Next::Node(node);
+    }
+
+    /// Enters an instance that is no geometry of the caller's.
+    #[inline(always)]
+    pub(in crate::trace) fn enter_actor(&mut self, actor: Actor<'a>, whole: Option<&'a Whole>) {
+        (self.actor, self.is_whole) = (Some(actor), whole.is_some());
+        // What is of one instance alone is far, what instances share if it is large.
+        self.is_far[Tree::Fuzzy.depth()] = actor.asset.model().triangles.len() > NEAR_TRIANGLES;
+        match whole {
+            Some(whole) if !whole.nodes.is_empty() => self.enter_later(Tree::Whole, &whole.nodes),
+            _ => {
+                self.tests_before = self.traveller.tests;
+                self.enter_later(Tree::Clusters, actor.prepared.top_level.nodes());
+            }
+        }
+    }
+
+    /// Enters the whole of an instance at one of its nodes.
+    #[inline(always)]
+    pub(in crate::trace) fn enter_whole(&mut self, actor: Actor<'a>, whole: &'a Whole, ray: WideRay, node: u32) {
+        (self.actor, self.is_whole) = (Some(actor), true);
+        self.enter_at(Tree::Whole, &whole.nodes, ray, node);
+    }
+
+    /// Enters a cluster's tree, or where it is no wide one, comes back from there: true where the search is then over.
+    #[inline(always)]
+    pub(super) fn enter_cluster<const ANY: bool, C: Count>(
+        &mut self,
+        slot: u32,
+        context: &mut ClusterContext,
+        counters: &mut C,
+    ) -> bool {
+        counters.cluster();
+        let Actor { asset, prepared, .. } = self.actor();
+        let (state, posed) = prepared.cluster(asset, slot, &mut context.motions);
+        self.cache = state.cache;
+        let model = asset.model();
+        let refit_after = if self.is_whole { 0 } else { posed.refit_after };
+        let refitted = refit_after != u32::MAX && state.refitted().is_worth_it(refit_after);
+        match (&posed.frame.way, model.meta.tree) {
+            (Way::Local(local), TreeKind::Wide) if !refitted => {
+                self.enter_fuzzy(asset, state, posed, local);
+                false
+            }
+            (Way::Local(_) | Way::Refitted, TreeKind::Wide) => {
+                let pose = |triangle| prepared.pose_triangle(model, state.cache, triangle, &mut ());
+                let nodes = state.refitted().wide(asset.wide_nodes(state.row), pose);
+                self.enter(Tree::Refitted, nodes);
+                false
+            }
+            _ => {
+                let (actor, stack) = (self.actor(), &mut context.binary);
+                pass_cluster::<ANY, C>(
+                    actor,
+                    (state, posed),
+                    refitted,
+                    self.start,
+                    &mut self.traveller,
+                    stack,
+                    counters,
+                )
+            }
+        }
+    }
+
+    /// Enters a cluster's tree in its local space, if the ray meets the box around it.
+    #[inline(always)]
+    fn enter_fuzzy(&mut self, asset: &'a Asset, state: &ClusterState, posed: &'a PosedCluster, local: &LocalFrame) {
+        let model = asset.model();
+        let row = &model.clusters[state.row as usize];
+        let (origin, direction) = (self.traveller.origin, self.traveller.direction);
+        let (slab, margin_posed) = local.enter(origin, direction, &posed.frame.bounds_world);
+        if slab
+            .clip(&row.bounds_local, (self.start, self.traveller.limit))
+            .is_none()
+        {
+            return;
+        }
+        let rest = asset.rest_lattice(state.row);
+        let follows = SlabRay {
+            margin: margin_posed,
+            ..slab
+        };
+        let ray = FuzzyRay {
+            fuzzy: LatticeRay::new(&slab, &row.bounds_local, asset.box_steps(state.row)),
+            posed: LatticeRay::within(&follows, rest.origin, [rest.step; 3], MOST_STEPS),
+            motions: &posed.movers,
+            movers: model.node_movers,
+        };
+        self.fuzzy = Some((asset.wide_nodes(state.row), ray));
+        self.tree = Tree::Fuzzy;
+        self.floors[Tree::Fuzzy.depth()] = self.count;
+        self.next = Next::Node(0);
+    }
+
+    /// Traverses an instance at once; true when the search is over.
+    #[inline(always)]
+    pub(in crate::trace) fn pass_actor<const ANY: bool, S: Lanes, C: Count>(
+        &mut self,
+        simd: S,
+        actor: Actor<'_>,
+        whole: Option<&Whole>,
+        stack: &mut WideStack,
+        context: &mut ClusterContext,
+        counters: &mut C,
+    ) -> bool {
+        let (nodes, ray) = self.world[0];
+        let mut inside = Flight::in_scene(self.traveller.clone(), self.start, nodes, ray, 0);
+        inside.enter_actor(actor, whole);
+        while inside.step::<ANY, S, C>(simd, stack, context, counters) {}
+        self.traveller = inside.traveller;
+        ANY && self.traveller.best.is_some()
+    }
+}
