@@ -121,11 +121,25 @@ impl Motions {
         if self.is_outside(&found) && space.morphs.is_empty() && space.envelope_count > 1 {
             found = self.mixed_with_another(space, *nearest, found);
         }
+        self.beyond(found)
+    }
+
+    /// The excess, rounding included.
+    #[inline(always)]
+    fn beyond(&self, found: [f64; 3]) -> Excess {
         Excess {
             local: found.map(|x| (x + self.rounding) * (1.0 + SUM_SLACK)),
             // A NaN is outside of everything.
             is_outside: self.is_outside(&found),
         }
+    }
+
+    /// The excess of a pose, whose [`Self::relative`] motions are up to date, that is known to lie in an envelope: what
+    /// [`Self::measure`] would find.
+    #[inline(always)]
+    pub(crate) fn inside(&mut self, space: &PoseSpace, morph_weights: &[f32]) -> Excess {
+        self.bound_rounding(space, morph_weights);
+        self.beyond([0.0; 3])
     }
 
     fn is_outside(&self, excess: &[f64; 3]) -> bool {
@@ -134,16 +148,23 @@ impl Motions {
 
     #[inline(always)]
     fn update(&mut self, space: &PoseSpace, morph_weights: &[f32]) {
+        self.bound_rounding(space, morph_weights);
+        self.motions.clear();
+        for (mover, relative) in space.movers.iter().zip(&self.relative.0) {
+            self.motions.push(Motion::new(relative, mover));
+        }
+    }
+
+    #[inline(always)]
+    fn bound_rounding(&mut self, space: &PoseSpace, morph_weights: &[f32]) {
         self.morphed = displacement(space.morphs, |_, target| {
             f64::from(morph_weights[target as usize].abs())
         });
         let morphed = self.morphed[0] + self.morphed[1] + self.morphed[2];
-        self.motions.clear();
         self.rounding = 0.0;
         for (mover, relative) in space.movers.iter().zip(&self.relative.0) {
             self.rounding +=
                 relative.entry_error * (mover.spread + mover.weight * morphed) + relative.offset_error * mover.weight;
-            self.motions.push(Motion::new(relative, mover));
         }
     }
 

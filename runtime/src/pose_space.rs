@@ -62,6 +62,8 @@ pub(crate) struct PoseSpace<'a> {
     pub movers: &'a [Mover],
     pub morphs: &'a [ClusterMorphRow],
     pub envelope_count: u32,
+    /// Whether every pose of the file's clips lies in an envelope.
+    pub clips_inside: bool,
     bone_envelopes: &'a [BoneEnvelopeRow],
     morph_envelopes: &'a [MorphEnvelopeRow],
     pub marks: &'a [Mark; MARKS],
@@ -116,6 +118,7 @@ impl PoseSpaces {
             movers,
             morphs: &model.cluster_morphs[row.morph_first as usize..][..morphs],
             envelope_count: row.envelope_count,
+            clips_inside: row.clips_inside != 0,
             bone_envelopes: &model.bone_envelopes[row.bone_envelope_first as usize..][..envelopes * movers.len()],
             morph_envelopes: &model.morph_envelopes[row.morph_envelope_first as usize..][..envelopes * morphs],
             marks: &self.marks[cluster],

@@ -1,7 +1,7 @@
 //! Poses inside and outside of what a file was baked for.
 
 use restpose_bake::{
-    BakeSettings,
+    BakeSettings, PoseSpace,
     import::{Animation, import},
     verify::{DrawnPose, Oracle, PoseFamily, PoseSource, Poses, Rays},
 };
@@ -55,13 +55,19 @@ fn traced(frame: &Frame, instances: &[InstanceId]) -> (Vec<Option<Hit>>, FrameSt
     (hits, frame.stats())
 }
 
-/// The continuous motion of every clip is inside its pose space, at times that no sample knows.
+/// The continuous motion of every clip is inside its pose space, at times that no sample knows: the file says so, and its
+/// palettes are found to be when they are measured, as those of callers are.
 #[test]
 fn clips_never_leave_their_pose_space() {
     for path in source_scenes() {
         for envelopes in [1, 5, 16] {
             let (_, asset) = enveloped(&path, envelopes);
             let model = asset.model();
+            assert!(
+                model.pose_spaces.iter().all(|space| space.clips_inside == 1),
+                "{}",
+                path.display()
+            );
             let mut random = fastrand::Rng::with_seed(3);
             let mut scene = Scene::new();
             let instance = scene.add(&asset);
@@ -71,20 +77,42 @@ fn clips_never_leave_their_pose_space() {
                 for _ in 0..300 {
                     let seconds = row.start_seconds + random.f32() * (row.end_seconds - row.start_seconds);
                     scene.play(instance, clip, seconds).unwrap();
+                    assert!(scene.commit_inside().is_ok());
+                    let known: Vec<[f64; 3]> = scene.commit().clusters().map(|cluster| cluster.excess).collect();
+                    let pose = scene.pose(instance).unwrap();
+                    scene.set_palette(instance, &pose.palette, &pose.morph_weights).unwrap();
                     let frame = scene.commit();
-                    frame.prepare();
-                    assert_eq!(
-                        frame.stats().clusters_outside,
-                        0,
+                    let measured: Vec<[f64; 3]> = frame.clusters().map(|cluster| cluster.excess).collect();
+                    let at = format!(
                         "{} in {envelopes} envelopes: clip {clip} at {seconds} s: {:?}",
                         path.display(),
                         frame.stats()
                     );
-                    assert!(scene.commit_inside().is_ok());
+                    assert_eq!(frame.stats().clusters_outside, 0, "{at}");
+                    assert_eq!(known, measured, "{at}");
                 }
             }
         }
     }
+}
+
+/// Where boxes are made for one of the clips, nothing is known of the others.
+#[test]
+fn clips_that_boxes_were_not_made_for_are_measured() {
+    let path = sample_scenes()
+        .into_iter()
+        .find(|path| path.ends_with("walker.glb"))
+        .unwrap();
+    let animation = import(&path).unwrap().animation;
+    let name = animation.clips[0].name.clone();
+    let settings = BakeSettings {
+        pose_space: PoseSpace::Clip(name),
+        ..BakeSettings::default()
+    };
+    let asset = baked_with(&animation, &settings);
+    let model = asset.model();
+    assert!(model.clips.len() > 1);
+    assert!(model.pose_spaces.iter().all(|space| space.clips_inside == 0));
 }
 
 /// Who asks for poses of the pose space alone gets a typed error for others, and nothing stale afterwards.

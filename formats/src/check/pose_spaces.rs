@@ -56,6 +56,10 @@ fn check_ranges(view: &ModelView<'_>) -> Result<(), FormatError> {
     let mut morph_envelopes = Tiling::new(SectionKind::MorphEnvelopes, view.morph_envelopes.len());
     for (at, (space, cluster)) in view.pose_spaces.iter().zip(view.clusters).enumerate() {
         reserved(section, at, "reserved", &space.reserved)?;
+        if space.clips_inside > 1 {
+            let (field, found, limit) = ("clips_inside", space.clips_inside, 2);
+            return Err(row(section, at, RowFault::UnknownNumber { field, found, limit }));
+        }
         if space.envelope_count == 0 {
             let field = "envelope_count";
             return Err(row(section, at, RowFault::EmptyRange { field }));

@@ -20,8 +20,11 @@ pub struct PoseSpaceRow {
     pub morph_count: u32,
     /// First morph-envelope row of `envelope_count · morph_count`, ordered alike.
     pub morph_envelope_first: u32,
+    /// 1 where every pose of the file's clips, at every time, and the one without any clip lies in an envelope, their palettes as
+    /// rounded to `f32` in exact arithmetic; 0 where that is not known.
+    pub clips_inside: u32,
     /// Zero.
-    pub reserved: [u32; 3],
+    pub reserved: [u32; 2],
 }
 
 /// By how much a bone can displace vertices of a cluster: one row per cluster-bone row of a cluster without a track. Zero

@@ -15,7 +15,7 @@ fn rows_are_as_the_text_says() {
     let m = model();
     same!(b"PSPC", m.pose_spaces, b => u32s::<8>(b, 0), r => [
         r.envelope_count, r.bone_envelope_first, r.morph_first, r.morph_count, r.morph_envelope_first,
-        r.reserved[0], r.reserved[1], r.reserved[2],
+        r.clips_inside, r.reserved[0], r.reserved[1],
     ]);
     same!(b"LEVR", m.levers, b => (f32s::<3>(b, 0), f32s::<3>(b, 12), f32s::<1>(b, 24), u32_at(b, 28)), r => (
         r.pivot, r.lever, [r.weight], r.reserved,

@@ -30,7 +30,10 @@ rules! {
     a_track_has_no_lever: |m| m.levers.push(m.levers[0]) => RowCount { section: Levers, expected: 5, found: 6 },
 
     pose_space_reserved_is_zero:
-        |m| m.pose_spaces[1].reserved[2] = 1 => at!(PoseSpaces, 1, ReservedNotZero { field: "reserved" }),
+        |m| m.pose_spaces[1].reserved[1] = 1 => at!(PoseSpaces, 1, ReservedNotZero { field: "reserved" }),
+    clips_are_inside_pose_spaces_or_not_known_to_be:
+        |m| m.pose_spaces[1].clips_inside = 2
+        => at!(PoseSpaces, 1, UnknownNumber { field: "clips_inside", found: 2, limit: 2 }),
     a_pose_space_has_an_envelope:
         |m| m.pose_spaces[1].envelope_count = 0 => at!(PoseSpaces, 1, EmptyRange { field: "envelope_count" }),
     a_pose_space_without_rows_has_one_envelope:

@@ -196,13 +196,19 @@ impl ClusterState {
         let Some(space) = asset.pose_spaces().of(asset.model(), self.row as usize) else {
             return Excess::NONE;
         };
-        let hint = match prepared.stretch {
-            Some(stretch) => asset.envelope_hints().of(stretch, self.row),
-            None => &self.nearest_envelope,
+        let weights = &prepared.pose.morph_weights;
+        let mut excess = if prepared.stretch.is_some() && space.clips_inside {
+            motions.inside(&space, weights)
+        } else {
+            let hint = match prepared.stretch {
+                Some(stretch) => asset.envelope_hints().of(stretch, self.row),
+                None => &self.nearest_envelope,
+            };
+            let mut nearest = hint.load(Relaxed).min(space.envelope_count - 1);
+            let excess = motions.measure(&space, weights, &mut nearest);
+            hint.store(nearest, Relaxed);
+            excess
         };
-        let mut nearest = hint.load(Relaxed).min(space.envelope_count - 1);
-        let mut excess = motions.measure(&space, &prepared.pose.morph_weights, &mut nearest);
-        hint.store(nearest, Relaxed);
         excess.is_outside |= excess.largest() > UNKNOWN * longest_side(cluster);
         excess
     }

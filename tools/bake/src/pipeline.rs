@@ -81,6 +81,7 @@ pub fn bake(animation: &Animation, settings: &BakeSettings, progress: &dyn Progr
             spans: &spans,
             sampled: &sampled,
             of_clips,
+            all_clips: posed_clips.len() == model.clips.len(),
         };
         spaces = bound_by_envelopes(&model, &mut carried, &poses, settings.envelopes, progress);
         lap(&mut seconds.bound);

@@ -32,6 +32,8 @@ pub(crate) struct Poses<'a> {
     pub sampled: &'a [SampledPose],
     /// How many of `sampled` are samples of clips, which `spans` cover.
     pub of_clips: usize,
+    /// Whether `spans` cover all clips of the file at all times, and the pose without any.
+    pub all_clips: bool,
 }
 
 /// A stretch of poses as one cluster sees it.
@@ -52,6 +54,8 @@ pub(crate) struct ClusterSpace {
     pub(super) movers: Vec<Mover>,
     pub(super) morphs: Vec<ClusterMorphRow>,
     pub(super) envelopes: Vec<Envelope>,
+    /// Whether these hold all poses of all clips.
+    clips_inside: bool,
 }
 
 impl ClusterSpace {
@@ -69,9 +73,11 @@ impl ClusterSpace {
             movers,
             morphs: cluster_morphs(model, &vertices),
             envelopes: Vec::new(),
+            clips_inside: false,
         };
         let levers = out.levers();
         let (of_clips, random) = (out.clip_stretches(model, poses), out.random_stretches(poses));
+        out.clips_inside = poses.all_clips && of_clips.len() == poses.spans.len();
         // Random poses fill a volume, of which pieces would cover little: they are one envelope.
         let random: Vec<&Stretch> = random.iter().collect();
         // Where nothing moves against the cluster, every pose is in its one envelope.
@@ -204,7 +210,8 @@ impl ClusterSpace {
             morph_first: row_count("cluster morphs", model.cluster_morphs.len())?,
             morph_count: row_count("cluster morphs", self.morphs.len())?,
             morph_envelope_first: row_count("morph envelopes", model.morph_envelopes.len())?,
-            reserved: [0; 3],
+            clips_inside: self.clips_inside.into(),
+            reserved: [0; 2],
         });
         let rows = &model.cluster_bones[cluster.cluster_bone_first as usize..][..cluster.cluster_bone_count as usize];
         let lever = |bone: u32| {
