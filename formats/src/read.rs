@@ -48,6 +48,7 @@ pub fn read_written(bytes: &[u8]) -> Result<ModelView<'_>, FormatError> {
     let sections = Sections::open(bytes, table)?;
     let view = borrow(&header, &sections)?;
     check_features(&header, &view)?;
+    check::clip_bounds::check_count(&view)?;
     Ok(view)
 }
 

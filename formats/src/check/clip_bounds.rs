@@ -11,15 +11,7 @@ use crate::{
 /// their magnitudes, others are empty.
 pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
     let section = SectionKind::ClipBounds;
-    let found = view.clip_bounds.len() as u64;
-    let expected = view.clips.len() as u64 * STRETCHES as u64 + 1;
-    if found != 0 && found != expected {
-        return Err(FormatError::RowCount {
-            section,
-            expected,
-            found,
-        });
-    }
+    check_count(view)?;
     for (at, stretch) in view.clip_bounds.iter().enumerate() {
         match stretch.known {
             0 if *stretch == ClipBoundsRow::UNKNOWN => {}
@@ -36,4 +28,18 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
         }
     }
     Ok(())
+}
+
+/// The number of rows alone, which tells files of before there were stretches.
+pub(crate) fn check_count(view: &ModelView<'_>) -> Result<(), FormatError> {
+    let found = view.clip_bounds.len() as u64;
+    let expected = view.clips.len() as u64 * STRETCHES as u64 + 1;
+    if found == 0 || found == expected {
+        return Ok(());
+    }
+    Err(FormatError::RowCount {
+        section: SectionKind::ClipBounds,
+        expected,
+        found,
+    })
 }

@@ -4,7 +4,7 @@
 //! earlier one has found in range, and by nothing else.
 
 mod caches;
-mod clip_bounds;
+pub(crate) mod clip_bounds;
 mod clips;
 mod cluster_bones;
 mod cluster_morphs;

@@ -296,7 +296,7 @@ impl Prepared {
         self.morph_extent
     }
 
-    /// Asks for what [`Self::pose_triangle`] reads of a triangle whose row is near.
+    /// Asks for what [`Self::pose_triangle`] reads first, in a part without a vertex cache, of a triangle whose row is near.
     #[inline]
     pub(crate) fn prefetch_corners(&self, model: &ModelView, triangle: u32) {
         for corner in model.triangles[triangle as usize].corners {

@@ -160,7 +160,7 @@ struct Bundle<'a> {
     rays: &'a [Ray],
     /// Per ray, the best hit so far.
     best: &'a mut [Option<Hit>; PACKET],
-    /// Rays that went alone, and the scaled `t` at which they begin; meaningful where `ready` has a bit.
+    /// Rays that have gone alone, as they begin, and the scaled `t` at which they begin; meaningful where `ready` has a bit.
     travellers: &'a mut [Option<(Traveller, f32)>],
     ready: u64,
     hits: &'a mut [GroupHits; PACKET / GROUP],

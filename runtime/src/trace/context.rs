@@ -14,7 +14,7 @@ use crate::{
 };
 use std::cell::RefCell;
 
-/// Scratch of a ray's way through a scene. Large: keep one per thread.
+/// Scratch of a ray's way through a scene. Making it costs more than a ray does: keep one per thread.
 pub(crate) struct TraceContext {
     pub(super) flight: FlightContext,
     pub(super) packet: PacketContext,
@@ -24,7 +24,7 @@ pub(super) struct PacketContext {
     pub packet: Packet,
     /// Per ray, the best hit so far.
     pub best: [Option<Hit>; PACKET],
-    /// Rays that went alone, and the scaled `t` at which they begin.
+    /// Rays that have gone alone, as they begin, and the scaled `t` at which they begin.
     pub travellers: Vec<Option<(Traveller, f32)>>,
     /// Hits of a triangle.
     pub hits: [GroupHits; PACKET / GROUP],
@@ -52,7 +52,7 @@ impl TraceContext {
     fn new() -> Self {
         Self {
             flight: FlightContext {
-                stacks: [const { WideStack::new() }; IN_FLIGHT],
+                stacks: std::array::from_fn(|_| WideStack::new()),
                 moving: WideStack::new(),
                 cluster: ClusterContext {
                     binary: EMPTY_LEVEL,
@@ -69,6 +69,13 @@ impl TraceContext {
                 whole_stack: WideStack::new(),
             },
         }
+    }
+
+    /// Not inlined: its room on the stack would be every ray's.
+    #[cold]
+    #[inline(never)]
+    fn another() -> Box<Self> {
+        Box::new(Self::new())
     }
 
     /// What rays need of an instance at a time of the scene's interval.
@@ -90,7 +97,7 @@ impl TraceContext {
         OWN.with(|own| match own.try_borrow_mut() {
             Ok(mut own) => trace(&mut own),
             // A task that was stolen while a ray of this thread waits for others, as when it poses a whole instance.
-            Err(_) => trace(&mut Self::new()),
+            Err(_) => trace(&mut Self::another()),
         })
     }
 }

@@ -10,7 +10,7 @@ use crate::{Hit, Ray, scene::Scene, simd::prefetch};
 const RAYS_AHEAD: usize = 8;
 
 /// Traces rays that go alone, in the order of their keys ([`RayOrder`](super::RayOrder)): as many of the first ones as there
-/// is room for hits.
+/// is room for hits, all `None` before.
 pub(crate) fn trace_sorted<A: Answer>(
     scene: &Scene,
     rays: &[Ray],

@@ -19,16 +19,16 @@ const SIZE: usize = DEPTHS * (7 * MOST_NODES + 1);
 #[derive(Clone, Debug)]
 pub(crate) struct WideStack {
     /// Where the ray enters their boxes.
-    enter: [f32; SIZE],
+    enter: Box<[f32; SIZE]>,
     /// What they are, in the walk's own terms.
-    tags: [u32; SIZE],
+    tags: Box<[u32; SIZE]>,
 }
 
 impl WideStack {
-    pub(crate) const fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
-            enter: [0.0; SIZE],
-            tags: [0; SIZE],
+            enter: zeros(),
+            tags: zeros(),
         }
     }
 
@@ -60,5 +60,13 @@ impl WideStack {
             (Some(enter), Some(tags)) => (enter, tags),
             _ => unreachable!("a tree is no deeper than the stack"),
         }
+    }
+}
+
+/// Never on a thread's own stack, which may be small.
+fn zeros<T: Clone + Default>() -> Box<[T; SIZE]> {
+    match vec![T::default(); SIZE].try_into() {
+        Ok(zeros) => zeros,
+        Err(_) => unreachable!("there are as many"),
     }
 }

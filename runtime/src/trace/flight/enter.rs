@@ -55,7 +55,7 @@ impl<'a> Flight<'a> {
     #[inline(always)]
     pub(in crate::trace) fn enter_actor(&mut self, actor: Actor<'a>, whole: Option<&'a Whole>) {
         (self.actor, self.is_whole) = (Some(actor), whole.is_some());
-        // What is of one instance alone is far, what instances share if it is large.
+        // What instances share is near unless it is large. A refitted cluster's tree is as large as the one that they share.
         self.is_far[Tree::Fuzzy.depth()] = actor.asset.model().triangles.len() > NEAR_TRIANGLES;
         match whole {
             Some(whole) if !whole.nodes.is_empty() => self.enter_later(Tree::Whole, &whole.nodes),

@@ -15,7 +15,7 @@ use crate::args::{SamplesPerPixel, Size, Vector, View};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use restpose_formats::geom::Aabb;
-use restpose_runtime::{Asset, Frame, InstanceId, PoseError, Ray, Scene, TraceCounters};
+use restpose_runtime::{Asset, Frame, InstanceId, PoseError, Posing, Ray, Scene, TraceCounters};
 use std::sync::Arc;
 
 /// The heat map's scale is found from every fourth pixel, both ways.
@@ -96,6 +96,10 @@ impl<'a> Film<'a> {
         let model = asset.model();
         let mut scene = Scene::new();
         let instance = scene.add(asset);
+        if look.view == View::Steps {
+            // What a ray costs is not to depend on those that came before it.
+            scene.set_posing(instance, Posing::Recomputed)?;
+        }
         let mut used: Vec<u32> = model.triangles.iter().flat_map(|row| row.corners).collect();
         used.sort_unstable();
         used.dedup();
