@@ -117,10 +117,10 @@ impl AssetInstance {
         let InstanceState { transform, pose } = &self.state;
         let wholes = self.pool.wholes.in_use();
         let limits = self.asset().posing_limits().of(self.posing, &self.expected, wholes);
-        prepared.prepare(&self.pool, *transform, limits, |evaluator, out| {
+        let row = pose.clip_bounds_row(self.asset().model().clips);
+        prepared.prepare(&self.pool, *transform, limits, row, |evaluator, out| {
             pose.evaluate(self.asset().model(), evaluator, out);
         });
-        prepared.stretch = pose.clip_bounds_row(self.asset().model().clips);
         if let Err(late) = self.prepared.set(prepared) {
             self.pool.put(late);
         }
@@ -148,7 +148,7 @@ impl AssetInstance {
             for pose in motion.poses() {
                 for at in 0..breakpoints.iter().map(Vec::len).max().unwrap_or(0) {
                     let frame = |cache: &Vec<f64>| cache[at.min(cache.len() - 1)];
-                    prepared.prepare(&self.pool, *transform, PosingLimits::NONE, |_, out| {
+                    prepared.prepare(&self.pool, *transform, PosingLimits::NONE, None, |_, out| {
                         out.clone_from(pose);
                         out.morph_weights.clone_from(&weights);
                         out.cache_frames.clear();
@@ -173,8 +173,7 @@ impl AssetInstance {
         };
         let transform = motion.transform_at(&self.state, time);
         // How many rays come at the same time is not known; few do.
-        prepared.stretch = None;
-        prepared.prepare(&self.pool, transform, PosingLimits::NONE, |_, out| {
+        prepared.prepare(&self.pool, transform, PosingLimits::NONE, None, |_, out| {
             motion.pose_at(time, out)
         });
     }

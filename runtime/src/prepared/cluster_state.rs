@@ -197,11 +197,11 @@ impl ClusterState {
             return Excess::NONE;
         };
         let weights = &prepared.pose.morph_weights;
-        let mut excess = if prepared.stretch.is_some() && space.clips_inside {
+        let mut excess = if prepared.clip_bounds_row.is_some() && space.clips_inside {
             motions.inside(&space, weights)
         } else {
-            let hint = match prepared.stretch {
-                Some(stretch) => asset.envelope_hints().of(stretch, self.row),
+            let hint = match prepared.clip_bounds_row {
+                Some(row) => asset.envelope_hints().of(row, self.row),
                 None => &self.nearest_envelope,
             };
             let mut nearest = hint.load(Relaxed).min(space.envelope_count - 1);

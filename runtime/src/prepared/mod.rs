@@ -67,7 +67,7 @@ pub(crate) struct Prepared {
     pub trees: Vec<BoxTree>,
     limits: PosingLimits,
     /// The row of clip bounds, of a stretch of a clip as a rule, that it is a pose of.
-    pub stretch: Option<usize>,
+    pub clip_bounds_row: Option<usize>,
     demand: Demand,
     memo: Kept<VertexMemo>,
     whole: Kept<Whole>,
@@ -82,7 +82,7 @@ pub(crate) struct Scratch {
 }
 
 impl Prepared {
-    /// Begins a pose, which `evaluate` writes.
+    /// Begins a pose, which `evaluate` writes; where it is of a clip, or the one without any, its row of clip bounds is known.
     ///
     /// Complexity: per bone and cluster, not per triangle, but for free motion.
     pub(crate) fn prepare(
@@ -90,6 +90,7 @@ impl Prepared {
         pool: &PreparedPool,
         transform: Affine,
         limits: PosingLimits,
+        clip_bounds_row: Option<usize>,
         evaluate: impl FnOnce(&mut PoseEvaluator, &mut Pose),
     ) {
         let (asset, simd) = (pool.asset(), SimdLevel::detect());
@@ -97,7 +98,7 @@ impl Prepared {
         let model = asset.model();
         let mut scratch = pool.scratch.take();
         self.demand.begin();
-        self.limits = limits;
+        (self.limits, self.clip_bounds_row) = (limits, clip_bounds_row);
         self.transform = transform;
         evaluate(&mut scratch.evaluator, &mut self.pose);
         self.morph_extent = morph_extent(model, &self.pose.morph_weights);
