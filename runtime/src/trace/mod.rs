@@ -1,6 +1,9 @@
 //! Traversal: a hierarchy over the clusters' world boxes, and in each cluster that a ray enters, its fuzzy tree: a
 //! kd-tree, or a wide one, some of whose boxes follow the pose.
 //!
+//! A ray is a state machine over these trees ([`flight`]): one alone goes from its begin to its end, those of a batch that no
+//! bundle takes ([`batch`]) take turns where they wait for memory ([`fly()`]).
+//!
 //! Inside, the ray is `origin + t·2^e·direction'` with the direction scaled by a power of two so that its longest
 //! component is in [1, 2): `t` then measures lengths, whatever the caller's units, and error bounds in lengths hold.
 //! Ranges of `t` are cut one `f32` outside the hit's own `t`, so that its rounding never hides a hit.
