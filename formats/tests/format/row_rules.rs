@@ -179,6 +179,7 @@ rules! {
         |m| {
             m.clips.push(ClipRow { start_seconds: 0.0, end_seconds: 1.0, channel_first: 5, channel_count: 0 });
             m.meta.clip_names.push(String::new());
+            m.clip_bounds.clear();
         }
         => at!(Clips, 2, ClipTime { field: "end_seconds", expected: 0.0, .. }),
     channel_paths_are_known:
