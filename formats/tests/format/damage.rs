@@ -2,7 +2,7 @@ use crate::{
     fixture::{Forge, model, read_copy},
     golden::V1_3,
 };
-use restpose_formats::{AlignedBytes, FormatError, MAGIC, SectionKind, read};
+use restpose_formats::{AlignedBytes, FormatError, MAGIC, SectionKind, read, read_written};
 
 #[test]
 fn every_truncation_is_refused_by_name() {
@@ -87,4 +87,19 @@ fn a_transfer_in_text_mode_has_its_own_hint() {
         assert!(matches!(error, FormatError::TextModeTransfer { .. }), "{error}");
         assert!(error.to_string().contains("copy it again in binary mode"), "{error}");
     }
+}
+
+/// A row per clip and one more, as before there were stretches: another clip's box would be taken for that of a stretch.
+#[test]
+fn bounds_of_whole_clips_are_refused_without_a_look_at_rows() {
+    let mut model = model();
+    model.clip_bounds.truncate(model.clips.len() + 1);
+    let file = AlignedBytes::copy_of(&Forge::of(&model).bytes());
+    let error = read_written(file.as_slice()).expect_err("too few rows");
+    let expected = FormatError::RowCount {
+        section: SectionKind::ClipBounds,
+        expected: 65,
+        found: 3,
+    };
+    assert_eq!(error, expected);
 }
