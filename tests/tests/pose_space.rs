@@ -7,7 +7,7 @@ use restpose_bake::{
 };
 use restpose_formats::Bounds;
 use restpose_runtime::{Asset, Frame, FrameStats, Hit, InstanceId, PoseError, Posing, Ray, Scene};
-use restpose_tests::{baked_with, sample_scenes, source_scenes};
+use restpose_tests::{Recipe, baked_with, random_animation, sample_scenes, source_scenes};
 use std::{path::Path, sync::Arc};
 
 fn enveloped(path: &Path, envelopes: usize) -> (Animation, Arc<Asset>) {
@@ -94,6 +94,48 @@ fn clips_never_leave_their_pose_space() {
             }
         }
     }
+}
+
+/// Linear, stepping and cubic channels, beside their keys.
+#[test]
+fn clips_of_soups_never_leave_their_pose_space() {
+    let mut known = 0;
+    for seed in 0..24 {
+        let recipe = Recipe {
+            seed,
+            vertices: 12,
+            joints: 3,
+            scale: 1.0,
+            offset: 0.0,
+            wild_scales: false,
+            morph_targets: 3,
+        };
+        let asset = baked_with(&random_animation(&recipe), &BakeSettings::default());
+        let model = asset.model();
+        known += model.pose_spaces.iter().filter(|space| space.clips_inside == 1).count();
+        let mut scene = Scene::new();
+        let instance = scene.add(&asset);
+        let excess =
+            |scene: &mut Scene| -> Vec<[f64; 3]> { scene.commit().clusters().map(|cluster| cluster.excess).collect() };
+        for clip in 0..model.clips.len() {
+            for key in model.key_times {
+                for seconds in [
+                    key.next_down().next_down(),
+                    key.next_down(),
+                    *key,
+                    key.next_up(),
+                    key + 1e-3,
+                ] {
+                    scene.play(instance, clip, seconds).unwrap();
+                    let as_clip = excess(&mut scene);
+                    let pose = scene.pose(instance).unwrap();
+                    scene.set_palette(instance, &pose.palette, &pose.morph_weights).unwrap();
+                    assert_eq!(as_clip, excess(&mut scene), "seed {seed}, clip {clip} at {seconds} s");
+                }
+            }
+        }
+    }
+    assert!(known > 24, "{known}");
 }
 
 /// Where boxes are made for one of the clips, nothing is known of the others.

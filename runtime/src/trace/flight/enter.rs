@@ -39,7 +39,7 @@ impl<'a> Flight<'a> {
         self.tree = tree;
         self.world[tree.depth()].0 = nodes;
         self.floors[tree.depth()] = self.count;
-        self.next = Next::Root;
+        self.next = Next::EnterRoot;
     }
 
     /// Enters a tree in world space at one of its nodes.
@@ -48,7 +48,7 @@ impl<'a> Flight<'a> {
         self.tree = tree;
         self.world[tree.depth()] = (nodes, ray);
         self.floors[tree.depth()] = self.count;
-        self.next = Next::Node(node);
+        self.next = Next::MeetNode(node);
     }
 
     /// Enters an instance that is no geometry of the caller's.
@@ -141,7 +141,7 @@ impl<'a> Flight<'a> {
         self.fuzzy = Some((asset.wide_nodes(state.row), ray));
         self.tree = Tree::Fuzzy;
         self.floors[Tree::Fuzzy.depth()] = self.count;
-        self.next = Next::Node(0);
+        self.next = Next::MeetNode(0);
     }
 
     /// Traverses an instance at once; true when the search is over.

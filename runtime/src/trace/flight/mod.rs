@@ -50,22 +50,19 @@ pub(super) struct Flight<'a> {
 /// What a ray does when it is its turn again.
 #[derive(Clone, Copy)]
 pub(super) enum Next {
-    /// Takes the last of the pending children.
-    Pending,
-    /// Meets the boxes of a node's children.
-    Node(u32),
-    /// Finds an instance: a step of the caller's.
-    Instance(u32),
-    /// Enters it: a step of the caller's.
-    Prepared(u32),
-    /// Meets the boxes of its tree's root.
-    Root,
-    /// Enters a cluster, by its place in the instance.
-    Cluster(u32),
-    /// Finds the corners of a triangle.
-    Triangle(u32),
-    /// Tests it.
-    Corners(u32),
+    /// The last of the pending children.
+    TakePending,
+    MeetNode(u32),
+    /// A step of the caller's.
+    FindInstance(u32),
+    /// A step of the caller's.
+    EnterInstance(u32),
+    /// The root of the instance's tree.
+    EnterRoot,
+    /// By its place in the instance.
+    EnterCluster(u32),
+    FindCorners(u32),
+    TestTriangle(u32),
 }
 
 /// What a tree is over, and so what its leaves are.
@@ -107,7 +104,7 @@ impl<'a> Flight<'a> {
         Self {
             traveller,
             start,
-            next: Next::Node(node),
+            next: Next::MeetNode(node),
             tree: Tree::Instances,
             world: [(nodes, ray); DEPTHS],
             fuzzy: None,
@@ -132,13 +129,13 @@ impl<'a> Flight<'a> {
     ) -> bool {
         let mut child = None;
         match self.next {
-            Next::Node(node) => child = Some(node),
-            Next::Root => {
+            Next::MeetNode(node) => child = Some(node),
+            Next::EnterRoot => {
                 let depth = self.tree.depth();
                 self.world[depth].1 = self.ray_in_world(self.world[depth].0);
                 child = Some(0);
             }
-            Next::Cluster(slot) => {
+            Next::EnterCluster(slot) => {
                 if self.enter_cluster::<ANY, C>(slot, context, counters) {
                     self.leave();
                     return false;
@@ -147,18 +144,18 @@ impl<'a> Flight<'a> {
                     child = Some(0);
                 }
             }
-            Next::Corners(triangle) => {
+            Next::TestTriangle(triangle) => {
                 if self.test::<ANY, C>(triangle, counters) {
                     return false;
                 }
             }
-            Next::Triangle(triangle) => {
+            Next::FindCorners(triangle) => {
                 let actor = self.actor();
                 actor.prepared.prefetch_corners(actor.asset.model(), triangle);
-                self.next = Next::Corners(triangle);
+                self.next = Next::TestTriangle(triangle);
                 return true;
             }
-            Next::Pending | Next::Instance(_) | Next::Prepared(_) => {}
+            Next::TakePending | Next::FindInstance(_) | Next::EnterInstance(_) => {}
         }
         loop {
             let depth = self.tree.depth();
@@ -192,23 +189,23 @@ impl<'a> Flight<'a> {
             };
             let leaf = found & !WideChild::LEAF_BIT;
             if leaf == found {
-                self.next = Next::Node(found);
+                self.next = Next::MeetNode(found);
                 return true;
             }
             match self.tree {
                 Tree::Instances => {
-                    self.next = Next::Instance(leaf);
+                    self.next = Next::FindInstance(leaf);
                     return true;
                 }
                 Tree::Clusters => {
                     prefetch(std::slice::from_ref(&self.actor().prepared.clusters[leaf as usize]));
-                    self.next = Next::Cluster(leaf);
+                    self.next = Next::EnterCluster(leaf);
                     return true;
                 }
                 _ if is_far => {
                     let triangles = self.actor().asset.model().triangles;
                     prefetch(std::slice::from_ref(&triangles[leaf as usize]));
-                    self.next = Next::Triangle(leaf);
+                    self.next = Next::FindCorners(leaf);
                     return true;
                 }
                 _ => {

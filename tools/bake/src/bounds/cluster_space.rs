@@ -8,7 +8,7 @@ use super::{
 use crate::{
     BakeError,
     assemble::row_count,
-    poses::{BoneSpans, Chord, SampledPose, Span, Way, about, in_palette},
+    poses::{BoneSpans, Chord, SampledPose, Span, Way, about, in_palette, number_error},
 };
 use bytemuck::Zeroable;
 use restpose_formats::{
@@ -141,7 +141,11 @@ impl ClusterSpace {
                     return None;
                 }
             }
-            let range = |row: &ClusterMorphRow| span.morph_weights[row.target as usize].range();
+            let range = |row: &ClusterMorphRow| {
+                let weight = &span.morph_weights[row.target as usize];
+                let ((least, greatest), error) = (weight.range(), 2.0 * number_error(weight));
+                (least - error, greatest + error)
+            };
             Stretch::new(chord, self.morphs.iter().map(range).collect())
         };
         poses.spans.iter().filter_map(stretch).collect()
