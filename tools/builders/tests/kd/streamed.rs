@@ -1,8 +1,6 @@
 //! Streamed binning of kd-trees: what a tree promises over families of boxes, its cost, and its bytes.
 
-mod kd_families;
-
-use kd_families::{FAMILIES, scattered};
+use crate::families::{FAMILIES, scattered};
 use restpose_builders::kd::{KdTreeBuilder, StreamedKd};
 use restpose_runtime::Aabb;
 use restpose_runtime::build::{CheckedBoxes, KdBuilder, KdSettings, KdTree, MAX_REFERENCE_GROWTH, sah_cost};

@@ -1,8 +1,6 @@
 //! Tracked kd-trees: valid in every frame whatever the boxes do, near the cost of exact trees, repeatable.
 
-mod kd_families;
-
-use kd_families::{FAMILIES, scattered};
+use crate::families::{FAMILIES, scattered};
 use restpose_builders::kd::{KdTreeBuilder, TrackedKd};
 use restpose_runtime::Aabb;
 use restpose_runtime::build::{CheckedBoxes, KdBuilder, KdSettings, KdTree, MAX_REFERENCE_GROWTH, sah_cost};

@@ -1,6 +1,6 @@
 //! What a clip's boxes gain by being one per stretch, and what happens at the borders.
 
-use crate::{assert_contains, moved_tube, sampled};
+use super::{assert_contains, moved_tube, sampled};
 use fastrand::Rng;
 use restpose_bake::import::{Channel, ChannelTarget};
 use restpose_formats::rows::{ClipBoundsRow, Interpolation, STRETCHES};

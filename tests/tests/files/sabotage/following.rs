@@ -1,6 +1,6 @@
 //! Nodes whose boxes follow the pose: a promise that is one step too small is seen, in the file alone and in poses.
 
-use crate::{
+use super::{
     Sabotage, escaped,
     tight_file::{ENDS, STILL, Stretched, following, opened},
 };

@@ -1,0 +1,7 @@
+//! The tables of `restpose measure`, on samples, with settings that take no time.
+
+mod builders;
+mod frame;
+mod motion;
+mod poses;
+mod tessellations;
