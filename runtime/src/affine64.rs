@@ -1,4 +1,4 @@
-use crate::simd::{Four, four};
+use crate::simd::{Doubles, Four, Lanes, four, weighted_sum};
 use restpose_formats::geom::Affine;
 
 /// An affine map in `f64`, by columns. Rows of four would need no number that means nothing, but their last one, which takes
@@ -18,6 +18,13 @@ impl Affine64 {
             [0.0; 4],
         ],
     };
+
+    /// Looks at the translation first, where most maps differ.
+    #[inline(always)]
+    pub(crate) fn is_identity(&self) -> bool {
+        let ([a, b, c, d], [x, y, z, origin]) = (&self.columns, &Self::IDENTITY.columns);
+        d == origin && a == x && b == y && c == z
+    }
 
     /// Of the images of the three axes and the translation.
     #[inline(always)]
@@ -50,6 +57,23 @@ impl Affine64 {
         let translation = turned(translation);
         Self {
             columns: [turned(x), turned(y), turned(z), four(|k| translation[k] + d[k])],
+        }
+    }
+
+    /// [`Self::after`], where the result is not stored at once.
+    #[inline(always)]
+    pub(crate) fn after_in<S: Lanes>(&self, simd: S, inner: &Self) -> Self {
+        let [a, b, c, d] = &self.columns;
+        let linear = [Doubles::new(simd, a), Doubles::new(simd, b), Doubles::new(simd, c)];
+        let d = Doubles::new(simd, d);
+        let [[x0, x1, x2, _], [y0, y1, y2, _], [z0, z1, z2, _], [t0, t1, t2, _]] = inner.columns;
+        Self {
+            columns: [
+                weighted_sum(linear, [x0, x1, x2]).numbers(),
+                weighted_sum(linear, [y0, y1, y2]).numbers(),
+                weighted_sum(linear, [z0, z1, z2]).numbers(),
+                (weighted_sum(linear, [t0, t1, t2]) + d).numbers(),
+            ],
         }
     }
 

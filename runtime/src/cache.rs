@@ -6,8 +6,8 @@
 use crate::{
     Aabb, Affine, Asset,
     cluster_frame::{Map64, PosedMap, world_box},
-    simd::{Four, four},
-    vertex::{greater, moved},
+    simd::{Doubles, Lanes, Portable},
+    vertex::moved,
 };
 use restpose_formats::{
     ModelView,
@@ -70,10 +70,16 @@ impl PosedTrack {
         let after = f64::from(time.weight);
         let weights = [1.0 - after, after];
         let lattice = Map64::lattice(track.origin, track.step);
-        let stored = |place: usize| PosedMap::weighted(weights[place], &[&world[0], &world[1], &maps[place], &lattice]);
+        let stored = |place: usize| {
+            PosedMap::weighted(
+                Portable,
+                weights[place],
+                &[&world[0], &world[1], &maps[place], &lattice],
+            )
+        };
         Self {
             maps: [stored(0), stored(1)],
-            frame: PosedMap::product(&[&world[0], &world[1], &Map64::blend(weights, &maps)]),
+            frame: PosedMap::product(Portable, &[&world[0], &world[1], &Map64::blend(weights, &maps)]),
         }
     }
 
@@ -84,10 +90,10 @@ impl PosedTrack {
     }
 
     /// Bounds, per world axis, the magnitudes that enter a vertex whose stored numbers are at most `extent`.
-    pub(crate) fn reach(&self, extent: [f64; 3]) -> Four {
+    #[inline(always)]
+    fn reach<S: Lanes>(&self, simd: S, extent: [f64; 3]) -> Doubles<S> {
         let [a, b] = &self.maps;
-        let (a, b) = (a.reach(extent), b.reach(extent));
-        four(|k| a[k] + b[k])
+        a.reach(simd, extent) + b.reach(simd, extent)
     }
 }
 
@@ -136,10 +142,10 @@ impl CacheState {
 
     /// The greatest magnitudes, per world axis, that enter the posed vertices of a cluster.
     #[inline(always)]
-    pub(crate) fn reach(&self, model: &ModelView, cluster: &ClusterRow) -> Four {
-        let mut reach = [0.0; 4];
+    pub(crate) fn reach<S: Lanes>(&self, simd: S, model: &ModelView, cluster: &ClusterRow) -> Doubles<S> {
+        let mut reach = Doubles::splat(simd, 0.0);
         for (track, extent) in moved(model, cluster) {
-            reach = greater(reach, self.track(track).reach(extent));
+            reach = reach.max(self.track(track).reach(simd, extent));
         }
         reach
     }
@@ -159,8 +165,8 @@ impl CacheState {
             min: std::array::from_fn(|k| f32_below(mix(a.bounds.min[k], b.bounds.min[k]))),
             max: std::array::from_fn(|k| f32_above(mix(a.bounds.max[k], b.bounds.max[k]))),
         };
-        let (error, reach) = (asset.cache_vertex_error(), self.reach(model, cluster));
-        world_box(&bounds, bone, four(|k| error * reach[k]))
+        let error = self.reach(Portable, model, cluster) * asset.cache_vertex_error();
+        world_box(Portable, &bounds, bone, error)
     }
 
     /// Poses a vertex of the cache's part, by vertex row: each map's image rounded as [`Affine::transform_point`] says,

@@ -1,6 +1,9 @@
 //! How bones move against a cluster in a pose, for boxes that follow it.
 
-use crate::relative_motions::RelativeMotions;
+use crate::{
+    relative_motions::RelativeMotions,
+    simd::{Doubles, Lanes, weighted_sum},
+};
 use restpose_formats::{
     geom::round::{UNIT_ROUNDOFF, f32_above},
     rows::{MAX_MOVERS, RestLattice},
@@ -9,17 +12,12 @@ use restpose_formats::{
 /// The motion of one bone against the cluster: `E·q + d` in steps of the cluster's [`RestLattice`], for q on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MoverMap {
-    /// Rows of E.
-    pub linear: [[f32; 3]; 3],
-    /// d.
-    pub offset: [f32; 3],
+    /// Those of E, and d.
+    pub columns: [[f32; 3]; 4],
 }
 
 impl MoverMap {
-    const STILL: Self = Self {
-        linear: [[0.0; 3]; 3],
-        offset: [0.0; 3],
-    };
+    const STILL: Self = Self { columns: [[0.0; 3]; 4] };
 }
 
 /// The motions of a cluster's movers.
@@ -61,7 +59,12 @@ impl MoverMaps {
     /// row's. In `f32` a plane is off by some roundings of the magnitudes that enter: the lattice's width, and the motions'
     /// greatest ones, once for the middle and twice for the half.
     #[inline(always)]
-    pub(crate) fn new(lattice: &RestLattice, relative: &RelativeMotions, morph_extent: [f64; 3]) -> (Self, [f64; 3]) {
+    pub(crate) fn new<S: Lanes>(
+        simd: S,
+        lattice: &RestLattice,
+        relative: &RelativeMotions,
+        morph_extent: [f64; 3],
+    ) -> (Self, [f64; 3]) {
         let (mut out, mut error) = (Self::NONE, Self::UNKNOWN);
         if !lattice.is_usable() {
             return (out, error);
@@ -74,19 +77,19 @@ impl MoverMaps {
         }
         out.morphed = morph_extent.map(|x| f32_above(x / step));
         let width = out.morphed.map(|x| WIDTH + f64::from(x));
-        let (mut reach, mut exact) = (width, 0.0);
+        let [a, b, c] = width;
+        let (mut reach, mut exact) = (Doubles::new(simd, &[a, b, c, 0.0]), 0.0);
         for (map, motion) in out.maps.iter_mut().zip(&relative.0) {
-            let [x, y, z] = &motion.columns;
-            for k in 0..3 {
-                let at_origin = motion.offset[k] + (x[k] * origin[0] + y[k] * origin[1] + z[k] * origin[2]);
-                map.linear[k] = [x[k] as f32, y[k] as f32, z[k] as f32];
-                map.offset[k] = (at_origin / step) as f32;
-                let [x, y, z] = map.linear[k].map(|entry| f64::from(entry.abs()));
-                let turned = x * width[0] + y * width[1] + z * width[2];
-                reach[k] += 3.0 * (turned + f64::from(map.offset[k].abs()));
-            }
+            let linear = Doubles::three(simd, &motion.columns);
+            let at_origin = Doubles::new(simd, &motion.offset) + weighted_sum(linear, origin);
+            let offset = at_origin.over(step);
+            let [x, y, z] = linear;
+            map.columns = [first_three(x), first_three(y), first_three(z), first_three(offset)];
+            let turned = weighted_sum([x.rounded().abs(), y.rounded().abs(), z.rounded().abs()], width);
+            reach = reach + (turned + offset.rounded().abs()) * 3.0;
             exact += 2.0 * (motion.entry_error * farthest + motion.offset_error);
         }
+        let reach = reach.numbers();
         for k in 0..3 {
             let bound = PLANE_ERROR * reach[k] * step + exact;
             if reach[k] <= f64::from(MOST_STEPS) && bound.is_finite() {
@@ -95,4 +98,10 @@ impl MoverMaps {
         }
         (out, error)
     }
+}
+
+#[inline(always)]
+fn first_three<S: Lanes>(numbers: Doubles<S>) -> [f32; 3] {
+    let [x, y, z, _] = numbers.to_f32();
+    [x, y, z]
 }

@@ -1,7 +1,7 @@
 //! How the bones of a cluster move against its own in a pose, in `f64`: what is measured against envelopes, and what boxes
 //! follow.
 
-use crate::simd::{Four, four};
+use crate::simd::{Doubles, Four, Lanes, weighted_sum};
 use restpose_formats::{geom::Affine, rows::ClusterBoneRow};
 
 /// 2⁻⁴⁸: bounds the `f64` roundings of a relative motion, under 32 of 2⁻⁵³, relative to the magnitudes that enter it.
@@ -32,8 +32,9 @@ impl RelativeMotions {
     /// With the computed inverse L, `X⁻¹ = L + (1 − L·X)·X⁻¹`, so `‖1 − L·X‖` bounds the relative error of everything that L
     /// maps ([`inverse_error`]); twice that covers its square. The products have a few roundings of the norms that enter.
     #[inline(always)]
-    pub(crate) fn update(
+    pub(crate) fn update<S: Lanes>(
         &mut self,
+        simd: S,
         cluster_bones: &[ClusterBoneRow],
         own: u32,
         inverse: &[[f64; 3]; 3],
@@ -41,78 +42,75 @@ impl RelativeMotions {
     ) {
         self.0.clear();
         self.0.reserve(cluster_bones.len());
-        let x = columns(&palette[own as usize]);
-        let inverse_norm = norm(inverse.as_flattened());
-        let slack = 2.0 * inverse_error(inverse, &x) + ROUNDING;
-        let own_offset = norm(&x[3]);
+        let own_map = &palette[own as usize];
         let [u, v, w] = inverse;
         let turn = [
             [u[0], v[0], w[0], 0.0],
             [u[1], v[1], w[1], 0.0],
             [u[2], v[2], w[2], 0.0],
         ];
+        let turn = Doubles::three(simd, &turn);
+        let inverse_norm = norm(turn);
+        let slack = 2.0 * inverse_error(simd, turn, own_map) + ROUNDING;
+        let own_offset = Doubles::from_point(simd, own_map.columns[3]);
+        let own_length = length(own_offset);
+        let axes = Doubles::axes(simd);
         for row in cluster_bones {
             if row.bone == own {
                 continue;
             }
-            let [a, b, c, d] = columns(&palette[row.bone as usize]);
-            let offset = [d[0] - x[3][0], d[1] - x[3][1], d[2] - x[3][2]];
-            let mut columns = [turned(&turn, a), turned(&turn, b), turned(&turn, c)];
-            for j in 0..3 {
-                columns[j][j] -= 1.0;
-            }
-            let linear = (square(a) + square(b) + square(c)).sqrt();
+            let [a, b, c, d] = palette[row.bone as usize].columns;
+            let offset = Doubles::from_point(simd, d) - own_offset;
+            let [offset_x, offset_y, offset_z, _] = offset.numbers();
+            let linear = [
+                Doubles::from_point(simd, a),
+                Doubles::from_point(simd, b),
+                Doubles::from_point(simd, c),
+            ];
             self.0.push(RelativeMotion {
-                columns,
-                offset: turned(&turn, offset),
-                entry_error: slack * (inverse_norm * linear + 1.0),
-                offset_error: slack * (inverse_norm * (square(d).sqrt() + own_offset)),
+                columns: [
+                    (weighted_sum(turn, wide(a)) - axes[0]).numbers(),
+                    (weighted_sum(turn, wide(b)) - axes[1]).numbers(),
+                    (weighted_sum(turn, wide(c)) - axes[2]).numbers(),
+                ],
+                offset: weighted_sum(turn, [offset_x, offset_y, offset_z]).numbers(),
+                entry_error: slack * (inverse_norm * norm(linear) + 1.0),
+                offset_error: slack * (inverse_norm * (length(Doubles::from_point(simd, d)) + own_length)),
             });
         }
     }
 }
 
 #[inline(always)]
-fn columns(map: &Affine) -> [[f64; 3]; 4] {
-    let [x, y, z, offset] = &map.columns;
-    let wide = |v: &[f32; 3]| [f64::from(v[0]), f64::from(v[1]), f64::from(v[2])];
-    [wide(x), wide(y), wide(z), wide(offset)]
+fn wide([x, y, z]: [f32; 3]) -> [f64; 3] {
+    [f64::from(x), f64::from(y), f64::from(z)]
 }
 
-/// `inverse`, by columns, times v.
+/// Frobenius.
 #[inline(always)]
-fn turned([x, y, z]: &[Four; 3], v: [f64; 3]) -> Four {
-    four(|k| x[k] * v[0] + y[k] * v[1] + z[k] * v[2])
-}
-
-#[inline(always)]
-fn square([x, y, z]: [f64; 3]) -> f64 {
-    x * x + y * y + z * z
+fn norm<S: Lanes>([x, y, z]: [Doubles<S>; 3]) -> f64 {
+    let [a, b, c, _] = (x * x + y * y + z * z).numbers();
+    (a + b + c).sqrt()
 }
 
 #[inline(always)]
-fn norm(numbers: &[f64]) -> f64 {
-    let mut sum = 0.0;
-    for x in numbers {
-        sum += x * x;
+fn length<S: Lanes>(v: Doubles<S>) -> f64 {
+    let [a, b, c, _] = (v * v).numbers();
+    (a + b + c).sqrt()
+}
+
+/// `‖L·X − I‖∞` for a computed inverse L, by its columns, its own rounding included: `X⁻¹ − L = −(L·X − I)·X⁻¹`, so it
+/// bounds the relative error of everything that L maps.
+#[inline(always)]
+fn inverse_error<S: Lanes>(simd: S, turn: [Doubles<S>; 3], own: &Affine) -> f64 {
+    let magnitudes = [turn[0].abs(), turn[1].abs(), turn[2].abs()];
+    let axes = Doubles::axes(simd);
+    let mut sum = Doubles::splat(simd, 0.0);
+    for j in 0..3 {
+        let [x, y, z] = wide(own.columns[j]);
+        let entering = weighted_sum(magnitudes, [x.abs(), y.abs(), z.abs()]) + axes[j];
+        sum = sum + (weighted_sum(turn, [x, y, z]) - axes[j]).abs() + entering * ROUNDING;
     }
-    sum.sqrt()
-}
-
-/// `‖L·X − I‖∞` for a computed inverse L, its own rounding included: `X⁻¹ − L = −(L·X − I)·X⁻¹`, so it bounds the
-/// relative error of everything that L maps.
-#[inline(always)]
-fn inverse_error(inverse: &[[f64; 3]; 3], own: &[[f64; 3]; 4]) -> f64 {
-    let mut worst = 0.0f64;
-    for (k, row) in inverse.iter().enumerate() {
-        let mut sum = 0.0;
-        for j in 0..3 {
-            let (a, b, c) = (row[0] * own[j][0], row[1] * own[j][1], row[2] * own[j][2]);
-            let identity = if j == k { 1.0 } else { 0.0 };
-            let rounding = ROUNDING * (a.abs() + b.abs() + c.abs() + identity);
-            sum += (a + b + c - identity).abs() + rounding;
-        }
-        worst = worst.max(sum);
-    }
-    worst
+    let [a, b, c, _] = sum.numbers();
+    a.max(b).max(c)
 }

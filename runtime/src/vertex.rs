@@ -1,9 +1,6 @@
 //! The vertex function: the one way in which a vertex of the rest pose becomes a vertex of the current pose.
 
-use crate::{
-    cluster_frame::SMALLEST_NORMAL,
-    simd::{Four, four},
-};
+use crate::cluster_frame::SMALLEST_NORMAL;
 use restpose_formats::{ModelView, geom::Affine, rows::ClusterRow};
 
 /// Poses one vertex.
@@ -51,12 +48,6 @@ pub(crate) fn moved<'a>(
         let wide = |x: f32| f64::from(x) + SMALLEST_NORMAL;
         (row.bone, [wide(x), wide(y), wide(z)])
     })
-}
-
-/// The greater of each two numbers.
-#[inline(always)]
-pub(crate) fn greater(a: Four, b: Four) -> Four {
-    four(|k| a[k].max(b[k]))
 }
 
 /// `f32` roundings on the longest way from a rest position to a posed one: bounds, with

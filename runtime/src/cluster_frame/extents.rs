@@ -1,5 +1,5 @@
 use super::{F64_SLACK, PosedMap, UNDERFLOW_FLOOR};
-use crate::simd::{Four, four};
+use crate::simd::{Doubles, Lanes, weighted_sum};
 use restpose_formats::geom::{
     Aabb,
     round::{UNIT_ROUNDOFF, f32_above, f32_below},
@@ -42,13 +42,12 @@ impl Extents {
 
     /// The box around the image of this one, widened by `error`; `reach` is the map's [reach](PosedMap::reach) of it.
     #[inline(always)]
-    pub(super) fn world_box(&self, map: &PosedMap, reach: Four, error: Four) -> Aabb {
-        let [x, y, z, offset] = map.columns();
-        let ([a, b, c], [s, t, u]) = (self.center, self.half);
-        let middle = four(|k| x[k] * a + y[k] * b + z[k] * c + offset[k]);
-        let spread = four(|k| x[k].abs() * s + y[k].abs() * t + z[k].abs() * u);
-        let spread = four(|k| spread[k] + error[k] + F64_SLACK * reach[k]);
-        let (least, greatest) = (four(|k| middle[k] - spread[k]), four(|k| middle[k] + spread[k]));
+    pub(super) fn world_box<S: Lanes>(&self, simd: S, map: &PosedMap, reach: Doubles<S>, error: Doubles<S>) -> Aabb {
+        let [x, y, z, offset] = map.columns(simd);
+        let middle = weighted_sum([x, y, z], self.center) + offset;
+        let spread = weighted_sum([x.abs(), y.abs(), z.abs()], self.half);
+        let spread = spread + error + reach * F64_SLACK;
+        let (least, greatest) = ((middle - spread).numbers(), (middle + spread).numbers());
         Aabb {
             min: [f32_below(least[0]), f32_below(least[1]), f32_below(least[2])],
             max: [f32_above(greatest[0]), f32_above(greatest[1]), f32_above(greatest[2])],
@@ -57,11 +56,12 @@ impl Extents {
 }
 
 /// World box of what lies in `bounds` before `map`, in exact arithmetic, where vertices are off by `vertex_error` after it.
-pub(crate) fn world_box(bounds: &Aabb, map: &PosedMap, vertex_error: Four) -> Aabb {
+#[inline(always)]
+pub(crate) fn world_box<S: Lanes>(simd: S, bounds: &Aabb, map: &PosedMap, vertex_error: Doubles<S>) -> Aabb {
     let bounds = Extents::new(bounds);
-    let reach = map.reach(bounds.reach);
-    let error = four(|k| vertex_error[k] + UNIT_ROUNDOFF * reach[k] + UNDERFLOW_FLOOR);
-    bounds.world_box(map, reach, error)
+    let reach = map.reach(simd, bounds.reach);
+    let error = vertex_error + reach * UNIT_ROUNDOFF + Doubles::splat(simd, UNDERFLOW_FLOOR);
+    bounds.world_box(simd, map, reach, error)
 }
 
 /// What two boxes that both contain something have in common.

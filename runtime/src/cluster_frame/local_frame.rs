@@ -1,6 +1,6 @@
 use super::{EXTENT_LIMIT, F64_SLACK, FrameInputs, SlabRay, UNDERFLOW_FLOOR, slab_ray::distance};
 use crate::{
-    simd::{Four, four},
+    simd::{Doubles, Lanes, weighted_sum},
     triangle::VERTEX_ERROR,
 };
 use restpose_formats::geom::{
@@ -36,14 +36,15 @@ impl LocalFrame {
     /// `None` where numbers overflow. The inverse has rows; `extent` bounds the magnitudes in the local box, with the excess;
     /// `vertex_error` is what points 1 and 2 add to in world space, where `bounds_world` holds the cluster.
     #[inline(always)]
-    pub(super) fn new(
-        inputs: &FrameInputs,
+    pub(super) fn new<S: Lanes>(
+        simd: S,
+        inputs: &FrameInputs<S>,
         [u, v, w]: &[[f64; 3]; 3],
         extent: [f64; 3],
-        vertex_error: Four,
+        vertex_error: Doubles<S>,
         bounds_world: &Aabb,
     ) -> Option<Self> {
-        let x = inputs.frame.columns();
+        let x = &inputs.frame.map.columns;
         let center = bounds_world.center();
         let mut center_world = [0.0; 3];
         for k in 0..3 {
@@ -59,54 +60,52 @@ impl LocalFrame {
             [u[1], v[1], w[1], 0.0],
             [u[2], v[2], w[2], 0.0],
         ];
-        let mut l = [[0.0; 4]; 3];
+        let exact = Doubles::three(simd, &exact);
+        let l = [exact[0].rounded(), exact[1].rounded(), exact[2].rounded()];
+        let magnitudes = [l[0].abs(), l[1].abs(), l[2].abs()];
+        let (mut from_origin, mut distances, mut entering) = ([0.0; 3], [0.0; 3], [0.0; 3]);
         for i in 0..3 {
-            l[i] = four(|k| f64::from(exact[i][k] as f32));
+            let (center, offset) = (f64::from(center_world[i]), f64::from(x[3][i]));
+            from_origin[i] = center - offset;
+            distances[i] = from_origin[i].abs();
+            entering[i] = center.abs() + offset.abs();
         }
-        let (mut from_origin, mut entering) = ([0.0; 3], [0.0; 3]);
-        for i in 0..3 {
-            let center = f64::from(center_world[i]);
-            from_origin[i] = center - x[3][i];
-            entering[i] = center.abs() + x[3][i].abs();
-        }
-        let center_local = sum(&exact, &from_origin);
-        let center_local = four(|k| f64::from(center_local[k] as f32));
+        let center_local = weighted_sum(exact, from_origin).rounded();
 
         // Point 3: R, and what bounds its rounding in f64. Lanes are local axes.
-        let (mut residual, mut rounding) = ([0.0; 4], [0.0; 4]);
+        let (mut residual, mut rounding) = (Doubles::splat(simd, 0.0), Doubles::splat(simd, 0.0));
+        let (axes, one) = (Doubles::axes(simd), Doubles::splat(simd, 1.0));
         for j in 0..3 {
-            let column = [x[j][0], x[j][1], x[j][2]];
-            let (product, bound) = (sum(&l, &column), bound(&l, &column));
-            let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]][j];
-            residual = four(|k| residual[k] + (product[k] - identity[k]).abs() * extent[j]);
-            rounding = four(|k| rounding[k] + (bound[k] + 1.0) * extent[j]);
+            let [a, b, c] = x[j];
+            let column = [f64::from(a), f64::from(b), f64::from(c)];
+            let product = weighted_sum(l, column);
+            let bound = weighted_sum(magnitudes, [column[0].abs(), column[1].abs(), column[2].abs()]);
+            residual = residual + (product - axes[j]).abs() * extent[j];
+            rounding = rounding + (bound + one) * extent[j];
         }
-        let offset = sum(&l, &from_origin);
-        let residual = four(|k| residual[k] + (center_local[k] - offset[k]).abs());
-        let (offset, origin) = (bound(&l, &from_origin), bound(&l, &entering));
-        let rounding = four(|k| rounding[k] + offset[k] + origin[k] + center_local[k].abs());
+        let residual = residual + (center_local - weighted_sum(l, from_origin)).abs();
+        let (offset, origin) = (weighted_sum(magnitudes, distances), weighted_sum(magnitudes, entering));
+        let rounding = rounding + offset + origin + center_local.abs();
 
-        let moved = bound(&l, &[vertex_error[0], vertex_error[1], vertex_error[2]]);
-        let scale = bound(&l, &[1.0; 3]);
-        let extent = [extent[0], extent[1], extent[2], 0.0];
+        let [error_x, error_y, error_z, _] = vertex_error.numbers();
+        let moved = weighted_sum(magnitudes, [error_x, error_y, error_z]);
+        let scale = magnitudes[0] + magnitudes[1] + magnitudes[2];
+        let extent = Doubles::new(simd, &[extent[0], extent[1], extent[2], 0.0]);
         // |c_l| once in point 6; planes of the local box twice the extent in point 7.
-        let box_rounding = four(|k| 32.0 * UNIT_ROUNDOFF * (center_local[k].abs() + extent[k]));
-        let own = four(|k| {
-            let floor = UNDERFLOW_FLOOR * (1.0 + scale[k]);
-            residual[k] + moved[k] + box_rounding[k] + F64_SLACK * rounding[k] + floor
-        });
+        let box_rounding = (center_local.abs() + extent) * (32.0 * UNIT_ROUNDOFF);
+        let floor = (one + scale) * UNDERFLOW_FLOOR;
+        let own = (residual + moved + box_rounding + rounding * F64_SLACK + floor).numbers();
+        let scale = scale.numbers();
         // The last factor: point 7 relative to the margin itself, and its sum with the ray's part.
         let rounded = |own: f64, more: f64| f32_above((own + more) * (1.0 + 8.0 * UNIT_ROUNDOFF));
         let (excess, error) = (&inputs.excess, &inputs.posed_error);
         let per_distance = |k: usize| f32_above(f64::from(RAY_ERROR) * scale[k]);
+        let [l0, l1, l2] = [l[0].to_f32(), l[1].to_f32(), l[2].to_f32()];
+        let [center_x, center_y, center_z, _] = center_local.to_f32();
         let out = Self {
-            linear: [
-                [l[0][0] as f32, l[1][0] as f32, l[2][0] as f32],
-                [l[0][1] as f32, l[1][1] as f32, l[2][1] as f32],
-                [l[0][2] as f32, l[1][2] as f32, l[2][2] as f32],
-            ],
+            linear: [[l0[0], l1[0], l2[0]], [l0[1], l1[1], l2[1]], [l0[2], l1[2], l2[2]]],
             center_world,
-            center_local: [center_local[0] as f32, center_local[1] as f32, center_local[2] as f32],
+            center_local: [center_x, center_y, center_z],
             margin_local: [
                 rounded(own[0], excess[0]),
                 rounded(own[1], excess[1]),
@@ -164,16 +163,4 @@ impl LocalFrame {
     pub(crate) fn largest_margin(&self) -> f32 {
         self.margin_local.iter().fold(0.0, |largest: f32, m| largest.max(*m))
     }
-}
-
-/// `Σ columns·v`.
-#[inline(always)]
-fn sum([x, y, z]: &[Four; 3], v: &[f64; 3]) -> Four {
-    four(|k| x[k] * v[0] + y[k] * v[1] + z[k] * v[2])
-}
-
-/// `Σ |columns|·|v|`, which bounds its magnitude and its rounding.
-#[inline(always)]
-fn bound([x, y, z]: &[Four; 3], v: &[f64; 3]) -> Four {
-    four(|k| x[k].abs() * v[0].abs() + y[k].abs() * v[1].abs() + z[k].abs() * v[2].abs())
 }

@@ -54,7 +54,7 @@ pub(crate) use posed_map::{Map64, PosedMap, posed_map, posed_reach};
 pub(crate) use slab_ray::SlabRay;
 
 use crate::{
-    simd::{Four, four},
+    simd::{Doubles, Lanes},
     triangle::VERTEX_ERROR,
 };
 use extents::{Extents, overlap};
@@ -111,13 +111,13 @@ pub(crate) enum Way {
 const MOST_ROUNDINGS: u32 = 1 << 20;
 
 /// What [`ClusterFrame::new`] needs.
-pub(crate) struct FrameInputs<'a> {
+pub(crate) struct FrameInputs<'a, S: Lanes> {
     /// The cluster frame: world from local space.
     pub frame: &'a PosedMap,
     /// Box around the cluster's fuzzy boxes, local space.
     pub bounds_local: &'a Aabb,
     /// E of point 2, per world axis.
-    pub reach: Four,
+    pub reach: Doubles<S>,
     /// u + γₙ of the vertex function.
     pub vertex_error: f64,
     /// Contains every posed vertex of the cluster.
@@ -144,18 +144,20 @@ pub(crate) fn vertex_error(roundings: u32) -> f64 {
 impl ClusterFrame {
     /// The frame of a cluster, or `None` where it has no usable inverse.
     #[inline(always)]
-    pub(crate) fn new(inputs: &FrameInputs) -> Option<Self> {
+    pub(crate) fn new<S: Lanes>(simd: S, inputs: &FrameInputs<S>) -> Option<Self> {
         let inverse = invert_frame(&inputs.frame.map)?;
         let local = Extents::new(inputs.bounds_local).widened(inputs.excess);
         let extent = local.reach;
         if !(extent[0] <= EXTENT_LIMIT && extent[1] <= EXTENT_LIMIT && extent[2] <= EXTENT_LIMIT) {
             return None;
         }
-        let reach = inputs.frame.reach(extent);
+        let reach = inputs.frame.reach(simd, extent);
         // Points 1 and 2, per world axis.
-        let vertex_error = four(|k| UNIT_ROUNDOFF * reach[k] + inputs.vertex_error * inputs.reach[k] + UNDERFLOW_FLOOR);
-        let bounds_world = overlap(local.world_box(inputs.frame, reach, vertex_error), *inputs.bounds_world);
-        let local = LocalFrame::new(inputs, &inverse, extent, vertex_error, &bounds_world)?;
+        let floor = Doubles::splat(simd, UNDERFLOW_FLOOR);
+        let vertex_error = reach * UNIT_ROUNDOFF + inputs.reach * inputs.vertex_error + floor;
+        let bounds_world = local.world_box(simd, inputs.frame, reach, vertex_error);
+        let bounds_world = overlap(bounds_world, *inputs.bounds_world);
+        let local = LocalFrame::new(simd, inputs, &inverse, extent, vertex_error, &bounds_world)?;
         Some(Self {
             bounds_world,
             way: Way::Local(local),

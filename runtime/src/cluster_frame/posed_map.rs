@@ -1,7 +1,7 @@
 use super::{F64_CHAIN, SMALLEST_NORMAL};
 use crate::{
     affine64::Affine64,
-    simd::{Four, four},
+    simd::{Doubles, Four, Lanes, four, weighted_sum},
 };
 use restpose_formats::geom::Affine;
 
@@ -52,7 +52,7 @@ fn magnitude(column: Four) -> Four {
 /// The map of [`PosedMap::product`] alone, the same bits: what vertices are posed by.
 #[inline(always)]
 pub(crate) fn posed_map(transform: &Map64, x: &Affine) -> Affine {
-    if transform.map == Affine64::IDENTITY {
+    if transform.map.is_identity() {
         *x
     } else if *x == Affine::IDENTITY {
         transform.map.to_affine()
@@ -74,55 +74,77 @@ impl PosedMap {
     ///
     /// Complexity: identities are left out, which keeps them exact and the bound small.
     #[inline(always)]
-    pub(crate) fn product(maps: &[&Map64]) -> Self {
-        Self::weighted(1.0, maps)
+    pub(crate) fn product<S: Lanes>(simd: S, maps: &[&Map64]) -> Self {
+        Self::weighted(simd, 1.0, maps)
     }
 
     /// `weight` times the product of maps: images of points are `weight` times theirs under the product.
     #[inline(always)]
-    pub(crate) fn weighted(weight: f64, maps: &[&Map64]) -> Self {
+    pub(crate) fn weighted<S: Lanes>(simd: S, weight: f64, maps: &[&Map64]) -> Self {
         let mut total: Option<Map64> = None;
         for map in maps.iter().rev() {
-            if map.map == Affine64::IDENTITY {
+            if map.map.is_identity() {
                 continue;
             }
             total = Some(match total {
                 None => **map,
                 Some(inner) => Map64 {
-                    map: map.map.after(&inner.map),
-                    magnitudes: map.magnitudes.after(&inner.magnitudes),
+                    map: map.map.after_in(simd, &inner.map),
+                    magnitudes: map.magnitudes.after_in(simd, &inner.magnitudes),
                 },
             });
         }
-        let Map64 { mut map, magnitudes } = match total {
+        let Map64 { map, magnitudes } = match total {
             Some(total) => total,
             None => Map64::new(&Affine::IDENTITY),
         };
-        for column in &mut map.columns {
-            *column = four(|k| column[k] * weight);
-        }
-        let map = map.to_affine();
-        let (kept, entering) = (Affine64::from_affine(&map).columns, magnitudes.columns);
-        let mut magnitude = [[0.0; 4]; 4];
+        let (mut columns, mut magnitude) = ([[0.0; 3]; 4], [[0.0; 4]; 4]);
         for j in 0..4 {
+            let exact = Doubles::new(simd, &map.columns[j]) * weight;
+            let [x, y, z, _] = exact.to_f32();
+            columns[j] = [x, y, z];
+            let entering = Doubles::new(simd, &magnitudes.columns[j]) * weight * F64_CHAIN;
             // A subnormal entry is rounded by up to 2⁻¹⁵⁰, which is u times the last term.
-            magnitude[j] = four(|k| kept[j][k].abs() + entering[j][k] * weight * F64_CHAIN + SMALLEST_NORMAL);
+            let sum = exact.rounded().abs() + entering + Doubles::splat(simd, SMALLEST_NORMAL);
+            magnitude[j] = sum.numbers();
         }
-        Self { map, magnitude }
+        Self {
+            map: Affine { columns },
+            magnitude,
+        }
     }
 
     /// The map's columns.
     #[inline(always)]
-    pub(super) fn columns(&self) -> [Four; 4] {
-        Affine64::from_affine(&self.map).columns
+    pub(super) fn columns<S: Lanes>(&self, simd: S) -> [Doubles<S>; 4] {
+        columns(simd, &self.map)
     }
 
     /// `N·(|p|, 1)` for points with `|p| ≤ extent`.
     #[inline(always)]
-    pub(crate) fn reach(&self, [a, b, c]: [f64; 3]) -> Four {
+    pub(crate) fn reach<S: Lanes>(&self, simd: S, extent: [f64; 3]) -> Doubles<S> {
         let [x, y, z, offset] = &self.magnitude;
-        four(|k| x[k] * a + y[k] * b + z[k] * c + offset[k])
+        let linear = [Doubles::new(simd, x), Doubles::new(simd, y), Doubles::new(simd, z)];
+        weighted_sum(linear, extent) + Doubles::new(simd, offset)
     }
+}
+
+#[inline(always)]
+fn columns<S: Lanes>(simd: S, map: &Affine) -> [Doubles<S>; 4] {
+    let [x, y, z, offset] = map.columns;
+    [
+        Doubles::from_point(simd, x),
+        Doubles::from_point(simd, y),
+        Doubles::from_point(simd, z),
+        Doubles::from_point(simd, offset),
+    ]
+}
+
+/// `|X|·(|p|, 1)` for points with `|p| ≤ extent`.
+#[inline(always)]
+fn greatest_image<S: Lanes>(simd: S, map: &Affine, extent: [f64; 3]) -> Doubles<S> {
+    let [x, y, z, offset] = columns(simd, map);
+    weighted_sum([x.abs(), y.abs(), z.abs()], extent) + offset.abs()
 }
 
 /// What [`PosedMap::reach`] of the product of a transform and a bone's map is, without that product: `posed` is its map. With
@@ -131,21 +153,24 @@ impl PosedMap {
 /// It is E of point 2 but for the order of a dozen roundings in `f64`, each 2⁻⁵³ of a sum of positive numbers. The factor
 /// that E gets, u + γₙ, has 2⁻⁴⁴ relatively to spare for such ([`vertex_error`](super::vertex_error)).
 #[inline(always)]
-pub(crate) fn posed_reach(transform: &Affine, x: &Affine, posed: &Affine, extent: [f64; 3]) -> Four {
-    let images = |map: &Affine, p: [f64; 3]| {
-        let [x, y, z, offset] = Affine64::from_affine(map).columns;
-        four(|k| x[k].abs() * p[0] + y[k].abs() * p[1] + z[k].abs() * p[2] + offset[k].abs())
-    };
-    let [a, b, c, _] = images(x, extent);
-    let entering = images(transform, [a, b, c]);
-    let reach = images(posed, extent);
+pub(crate) fn posed_reach<S: Lanes>(
+    simd: S,
+    transform: &Affine,
+    x: &Affine,
+    posed: &Affine,
+    extent: [f64; 3],
+) -> Doubles<S> {
+    let [a, b, c, _] = greatest_image(simd, x, extent).numbers();
+    let entering = greatest_image(simd, transform, [a, b, c]);
+    let reach = greatest_image(simd, posed, extent);
     let smallest = SMALLEST_NORMAL * (extent[0] + extent[1] + extent[2] + 1.0);
-    four(|k| reach[k] + F64_CHAIN * entering[k] + smallest)
+    reach + entering * F64_CHAIN + Doubles::splat(simd, smallest)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::Portable;
 
     /// The reach of a product, by two ways.
     #[test]
@@ -164,10 +189,11 @@ mod tests {
             };
             let (transform, x) = (map(round % 5 == 0), map(round % 7 == 0));
             let extent: [f64; 3] = std::array::from_fn(|_| random.f64() * 10f64.powi(random.i32(-9..9)));
-            let product = PosedMap::product(&[&Map64::new(&transform), &Map64::new(&x)]);
+            let product = PosedMap::product(Portable, &[&Map64::new(&transform), &Map64::new(&x)]);
             let posed = posed_map(&Map64::new(&transform), &x);
             assert_eq!(posed, product.map);
-            let (expected, found) = (product.reach(extent), posed_reach(&transform, &x, &posed, extent));
+            let expected = product.reach(Portable, extent).numbers();
+            let found = posed_reach(Portable, &transform, &x, &posed, extent).numbers();
             for k in 0..3 {
                 // A dozen roundings each.
                 let difference = (found[k] - expected[k]).abs();
@@ -188,7 +214,7 @@ mod tests {
         let (transform, x) = (shift(1e6), shift(-1e6));
         let posed = posed_map(&Map64::new(&transform), &x);
         assert_eq!(posed, Affine::IDENTITY);
-        let reach = posed_reach(&transform, &x, &posed, [1.0; 3]);
+        let reach = posed_reach(Portable, &transform, &x, &posed, [1.0; 3]).numbers();
         assert!(
             reach[0] > 1.0 + 2e6 * F64_CHAIN * 0.99 && reach[1] < 1.0 + 1e-6,
             "{reach:?}"

@@ -7,8 +7,8 @@ use crate::{
     excess::{Excess, Motions},
     mover_maps::MoverMaps,
     refitted_tree::RefittedTree,
-    simd::prefetch,
-    vertex::{greater, moved},
+    simd::{Doubles, Lanes, Portable, prefetch},
+    vertex::moved,
 };
 use restpose_formats::rows::{ClusterRow, NONE};
 use std::sync::{
@@ -127,27 +127,29 @@ impl ClusterState {
     /// Compiled for AVX2 where there is one: compilers make vectors of what is written as arrays, and nothing is fused.
     fn pose(&self, prepared: &Prepared, asset: &Asset, bounds_world: &Aabb, motions: &mut Motions) -> PosedCluster {
         #[cfg(target_arch = "x86_64")]
-        if Avx2::new().is_some() {
+        if let Some(simd) = Avx2::new() {
             #[target_feature(enable = "avx2,popcnt")]
             fn compiled(
+                simd: Avx2,
                 state: &ClusterState,
                 prepared: &Prepared,
                 asset: &Asset,
                 bounds_world: &Aabb,
                 motions: &mut Motions,
             ) -> PosedCluster {
-                state.pose_with(prepared, asset, bounds_world, motions)
+                state.pose_with(simd, prepared, asset, bounds_world, motions)
             }
             #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
             // SAFETY: an `Avx2` exists only on machines that have both features.
-            return unsafe { compiled(self, prepared, asset, bounds_world, motions) };
+            return unsafe { compiled(simd, self, prepared, asset, bounds_world, motions) };
         }
-        self.pose_with(prepared, asset, bounds_world, motions)
+        self.pose_with(Portable, prepared, asset, bounds_world, motions)
     }
 
     #[inline(always)]
-    fn pose_with(
+    fn pose_with<S: Lanes>(
         &self,
+        simd: S,
         prepared: &Prepared,
         asset: &Asset,
         bounds_world: &Aabb,
@@ -159,7 +161,7 @@ impl ClusterState {
             way: Way::Refitted,
         };
         if self.cache != NONE {
-            let frame = self.track_frame(prepared, asset, cluster, bounds_world);
+            let frame = self.track_frame(simd, prepared, asset, cluster, bounds_world);
             return PosedCluster::without_excess(frame.unwrap_or_else(refitted));
         }
         // The baker judged poses without an instance transform; what it left out must not be traced here either.
@@ -170,7 +172,7 @@ impl ClusterState {
         let bones = &model.cluster_bones[cluster.cluster_bone_first as usize..][..cluster.cluster_bone_count as usize];
         motions
             .relative
-            .update(bones, cluster.bone, &inverse, &prepared.pose.palette);
+            .update(simd, bones, cluster.bone, &inverse, &prepared.pose.palette);
         let excess = self.excess(prepared, asset, cluster, motions);
         let (movers, posed_error) = if model.node_movers.is_empty() {
             (MoverMaps::NONE, MoverMaps::UNKNOWN)
@@ -179,11 +181,11 @@ impl ClusterState {
             let space = asset.pose_spaces().of(model, self.row as usize);
             let is_morphed = space.is_none_or(|space| !space.morphs.is_empty());
             let morph_extent = if is_morphed { prepared.morph_extent() } else { [0.0; 3] };
-            MoverMaps::new(asset.rest_lattice(self.row), &motions.relative, morph_extent)
+            MoverMaps::new(simd, asset.rest_lattice(self.row), &motions.relative, morph_extent)
         };
         PosedCluster {
             frame: self
-                .bone_frame(prepared, asset, cluster, bounds_world, &excess, posed_error)
+                .bone_frame(simd, prepared, asset, cluster, bounds_world, &excess, posed_error)
                 .unwrap_or_else(refitted),
             excess,
             movers,
@@ -214,8 +216,9 @@ impl ClusterState {
     }
 
     #[inline(always)]
-    fn bone_frame(
+    fn bone_frame<S: Lanes>(
         &self,
+        simd: S,
         prepared: &Prepared,
         asset: &Asset,
         cluster: &ClusterRow,
@@ -227,27 +230,29 @@ impl ClusterState {
         let (palette, posed) = (&prepared.pose.palette, prepared.posed());
         let own = cluster.bone as usize;
         let morphed = prepared.morph_extent();
-        let mut reach = [0.0; 4];
+        let mut reach = Doubles::splat(simd, 0.0);
         for (bone, extent) in moved(asset.model(), cluster) {
             let bone = bone as usize;
             let extent = [extent[0] + morphed[0], extent[1] + morphed[1], extent[2] + morphed[2]];
-            let own = posed_reach(&prepared.transform, &palette[bone], &posed[bone], extent);
-            reach = greater(reach, own);
+            let own = posed_reach(simd, &prepared.transform, &palette[bone], &posed[bone], extent);
+            reach = reach.max(own);
         }
-        ClusterFrame::new(&FrameInputs {
-            frame: &PosedMap::product(&[&transform, &Map64::new(&palette[own])]),
+        let inputs = FrameInputs {
+            frame: &PosedMap::product(simd, &[&transform, &Map64::new(&palette[own])]),
             bounds_local: &cluster.bounds_local,
             reach,
             vertex_error: asset.vertex_error(),
             bounds_world,
             excess: excess.local,
             posed_error,
-        })
+        };
+        ClusterFrame::new(simd, &inputs)
     }
 
     #[inline(always)]
-    fn track_frame(
+    fn track_frame<S: Lanes>(
         &self,
+        simd: S,
         prepared: &Prepared,
         asset: &Asset,
         cluster: &ClusterRow,
@@ -257,15 +262,16 @@ impl ClusterState {
         if state.is_cut(asset.model(), cluster.track) {
             return None;
         }
-        ClusterFrame::new(&FrameInputs {
+        let inputs = FrameInputs {
             frame: &state.track(cluster.track).frame,
             bounds_local: &cluster.bounds_local,
-            reach: state.reach(asset.model(), cluster),
+            reach: state.reach(simd, asset.model(), cluster),
             vertex_error: asset.cache_vertex_error(),
             bounds_world,
             excess: Excess::NONE.local,
             posed_error: MoverMaps::UNKNOWN,
-        })
+        };
+        ClusterFrame::new(simd, &inputs)
     }
 }
 

@@ -28,7 +28,7 @@ use crate::{
     posing::{Demand, PosingLimits},
     rest_boxes::{BoneImages, cluster_bounds},
     set_bits::set_bits,
-    simd::{SimdLevel, prefetch},
+    simd::{Portable, SimdLevel, prefetch},
     stats::Count,
     top_level::TopLevel,
     vertex::pose_vertex,
@@ -146,7 +146,7 @@ impl Prepared {
             };
             let segment = &model.segments[time.segment as usize];
             let bone = Map64::new(&self.pose.palette[cache.bone as usize]);
-            let bone = PosedMap::product(&[&Map64::new(&self.transform), &bone]);
+            let bone = PosedMap::product(Portable, &[&Map64::new(&self.transform), &bone]);
             for row in segment.cluster_first..segment.cluster_first + segment.cluster_count {
                 let slot = self.bounds.len();
                 if slot == self.clusters.len() {

@@ -264,6 +264,20 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn load4_f64(self, from: &[f64; 4]) -> __m256d {
+        // SAFETY: see above; 32 bytes.
+        unsafe { _mm256_loadu_pd(from.as_ptr()) }
+    }
+
+    #[inline(always)]
+    fn store4_f64(self, from: __m256d) -> [f64; 4] {
+        let mut to = [0.0; 4];
+        // SAFETY: see above; 32 bytes.
+        unsafe { _mm256_storeu_pd(to.as_mut_ptr(), from) };
+        to
+    }
+
+    #[inline(always)]
     fn to_f64(self, a: __m128) -> __m256d {
         // SAFETY: see above.
         unsafe { _mm256_cvtps_pd(a) }
@@ -303,6 +317,18 @@ impl Lanes for Avx2 {
     fn div4_f64(self, a: __m256d, b: __m256d) -> __m256d {
         // SAFETY: see above.
         unsafe { _mm256_div_pd(a, b) }
+    }
+
+    #[inline(always)]
+    fn abs4_f64(self, a: __m256d) -> __m256d {
+        // SAFETY: see above.
+        unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), a) }
+    }
+
+    #[inline(always)]
+    fn max4_f64(self, a: __m256d, b: __m256d) -> __m256d {
+        // SAFETY: see above.
+        unsafe { _mm256_max_pd(a, b) }
     }
 
     #[inline(always)]

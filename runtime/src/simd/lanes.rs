@@ -54,6 +54,8 @@ pub(crate) trait Lanes: Copy {
     /// `a₀a₁ + a₁a₂ + a₂a₀`, added from the left.
     fn pair_products(self, a: Self::F4) -> f32;
 
+    fn load4_f64(self, from: &[f64; 4]) -> Self::D4;
+    fn store4_f64(self, from: Self::D4) -> [f64; 4];
     /// Four `f64`, exactly.
     fn to_f64(self, a: Self::F4) -> Self::D4;
     /// Four `f32`, rounded to nearest.
@@ -63,6 +65,8 @@ pub(crate) trait Lanes: Copy {
     fn sub4_f64(self, a: Self::D4, b: Self::D4) -> Self::D4;
     fn mul4_f64(self, a: Self::D4, b: Self::D4) -> Self::D4;
     fn div4_f64(self, a: Self::D4, b: Self::D4) -> Self::D4;
+    fn abs4_f64(self, a: Self::D4) -> Self::D4;
+    fn max4_f64(self, a: Self::D4, b: Self::D4) -> Self::D4;
     /// As `lt8`.
     fn lt4_f64(self, a: Self::D4, b: Self::D4) -> u32;
 

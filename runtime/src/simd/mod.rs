@@ -10,6 +10,7 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+mod doubles;
 mod four;
 mod lanes;
 mod portable;
@@ -19,6 +20,7 @@ mod tests;
 
 #[cfg(target_arch = "x86_64")]
 pub(crate) use avx2::Avx2;
+pub(crate) use doubles::{Doubles, weighted_sum};
 pub(crate) use four::{Four, four};
 pub(crate) use lanes::Lanes;
 pub(crate) use portable::Portable;

@@ -177,6 +177,16 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn load4_f64(self, from: &[f64; 4]) -> [f64; 4] {
+        *from
+    }
+
+    #[inline(always)]
+    fn store4_f64(self, from: [f64; 4]) -> [f64; 4] {
+        from
+    }
+
+    #[inline(always)]
     fn to_f64(self, a: [f32; 4]) -> [f64; 4] {
         a.map(f64::from)
     }
@@ -209,6 +219,16 @@ impl Lanes for Portable {
     #[inline(always)]
     fn div4_f64(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
         std::array::from_fn(|k| a[k] / b[k])
+    }
+
+    #[inline(always)]
+    fn abs4_f64(self, a: [f64; 4]) -> [f64; 4] {
+        a.map(f64::abs)
+    }
+
+    #[inline(always)]
+    fn max4_f64(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|k| if a[k] > b[k] { a[k] } else { b[k] })
     }
 
     #[inline(always)]

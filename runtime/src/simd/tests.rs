@@ -61,6 +61,9 @@ fn everything<S: Lanes>(simd: S, a: &[f32; 8], b: &[f32; 8]) -> Vec<u32> {
         simd.mul4_f64(x, y),
         simd.div4_f64(x, y),
         simd.splat4_f64(1.0 / f64::from(a[3])),
+        simd.abs4_f64(y),
+        simd.max4_f64(x, y),
+        simd.load4_f64(&simd.store4_f64(y)),
     ];
     for double in doubles {
         out.extend(simd.store4(simd.to_f32(double)).map(bits));

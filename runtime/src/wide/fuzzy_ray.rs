@@ -92,9 +92,9 @@ pub(super) fn posed_planes<S: Lanes>(simd: S, node: &WideNodeRow, ray: &FuzzyRay
         let spread = simd.mul8(simd.widen8(&row.spread), unit);
         let most = simd.add8(weight, spread);
         for k in 0..3 {
-            let (mut moved, mut spun) = (simd.splat8(map.offset[k]), simd.splat8(0.0));
+            let (mut moved, mut spun) = (simd.splat8(map.columns[3][k]), simd.splat8(0.0));
             for j in 0..3 {
-                let entry = simd.splat8(map.linear[k][j]);
+                let entry = simd.splat8(map.columns[j][k]);
                 moved = simd.add8(moved, simd.mul8(entry, center[j]));
                 spun = simd.add8(spun, simd.mul8(simd.abs8(entry), half[j]));
             }

@@ -197,8 +197,8 @@ impl Posed {
             }
         }
         let mut relative = RelativeMotions::default();
-        relative.update(&cluster_bones, own, &inverse, &palette);
-        let (maps, error) = MoverMaps::new(&lattice, &relative, morph_extent);
+        relative.update(Portable, &cluster_bones, own, &inverse, &palette);
+        let (maps, error) = MoverMaps::new(Portable, &lattice, &relative, morph_extent);
         Self {
             places,
             lattice,
