@@ -77,6 +77,23 @@ impl Affine64 {
         }
     }
 
+    /// Its product with a stored map, each entry rounded.
+    #[inline(always)]
+    pub(crate) fn rounded_after<S: Lanes>(&self, simd: S, inner: &Affine) -> Affine {
+        let [a, b, c, d] = &self.columns;
+        let linear = [Doubles::new(simd, a), Doubles::new(simd, b), Doubles::new(simd, c)];
+        let d = Doubles::new(simd, d);
+        let [x, y, z, offset] = inner.columns;
+        Affine {
+            columns: [
+                weighted_sum(linear, wide(x)).to_point(),
+                weighted_sum(linear, wide(y)).to_point(),
+                weighted_sum(linear, wide(z)).to_point(),
+                (weighted_sum(linear, wide(offset)) + d).to_point(),
+            ],
+        }
+    }
+
     /// Rounds each entry.
     #[inline(always)]
     pub(crate) fn to_affine(self) -> Affine {
@@ -86,4 +103,9 @@ impl Affine64 {
             columns: [column(a), column(b), column(c), column(d)],
         }
     }
+}
+
+#[inline(always)]
+pub(crate) fn wide([x, y, z]: [f32; 3]) -> [f64; 3] {
+    [f64::from(x), f64::from(y), f64::from(z)]
 }

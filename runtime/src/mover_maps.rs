@@ -78,18 +78,18 @@ impl MoverMaps {
         out.morphed = morph_extent.map(|x| f32_above(x / step));
         let width = out.morphed.map(|x| WIDTH + f64::from(x));
         let [a, b, c] = width;
-        let (mut reach, mut exact) = (Doubles::new(simd, &[a, b, c, 0.0]), 0.0);
-        for (map, motion) in out.maps.iter_mut().zip(&relative.0) {
+        let mut reach = Doubles::new(simd, &[a, b, c, 0.0]);
+        for (map, motion) in out.maps.iter_mut().zip(&relative.motions) {
             let linear = Doubles::three(simd, &motion.columns);
             let at_origin = Doubles::new(simd, &motion.offset) + weighted_sum(linear, origin);
             let offset = at_origin.over(step);
             let [x, y, z] = linear;
-            map.columns = [first_three(x), first_three(y), first_three(z), first_three(offset)];
+            map.columns = [x.to_point(), y.to_point(), z.to_point(), offset.to_point()];
             let turned = weighted_sum([x.rounded().abs(), y.rounded().abs(), z.rounded().abs()], width);
             reach = reach + (turned + offset.rounded().abs()) * 3.0;
-            exact += 2.0 * (motion.entry_error * farthest + motion.offset_error);
         }
         let reach = reach.numbers();
+        let exact = 2.0 * (relative.entry_error * farthest + relative.offset_error);
         for k in 0..3 {
             let bound = PLANE_ERROR * reach[k] * step + exact;
             if reach[k] <= f64::from(MOST_STEPS) && bound.is_finite() {
@@ -98,10 +98,4 @@ impl MoverMaps {
         }
         (out, error)
     }
-}
-
-#[inline(always)]
-fn first_three<S: Lanes>(numbers: Doubles<S>) -> [f32; 3] {
-    let [x, y, z, _] = numbers.to_f32();
-    [x, y, z]
 }

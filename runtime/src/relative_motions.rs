@@ -1,7 +1,10 @@
 //! How the bones of a cluster move against its own in a pose, in `f64`: what is measured against envelopes, and what boxes
 //! follow.
 
-use crate::simd::{Doubles, Four, Lanes, weighted_sum};
+use crate::{
+    affine64::wide,
+    simd::{Doubles, Four, Lanes, weighted_sum},
+};
 use restpose_formats::{geom::Affine, rows::ClusterBoneRow};
 
 /// 2⁻⁴⁸: bounds the `f64` roundings of a relative motion, under 32 of 2⁻⁵³, relative to the magnitudes that enter it.
@@ -13,15 +16,26 @@ pub(crate) struct RelativeMotion {
     /// Columns of E, of three numbers each.
     pub columns: [Four; 3],
     pub offset: Four,
-    /// Bounds the error of each entry of E.
-    pub entry_error: f64,
-    /// Bounds the error of each entry of b.
-    pub offset_error: f64,
 }
 
 /// Those of a cluster, in the order of its bones. Scratch: keep one and reuse it.
 #[derive(Debug, Default)]
-pub(crate) struct RelativeMotions(pub(crate) Vec<RelativeMotion>);
+pub(crate) struct RelativeMotions {
+    pub motions: Vec<RelativeMotion>,
+    /// Bounds the error of each entry of each E.
+    pub entry_error: f64,
+    /// Bounds the error of each entry of each b.
+    pub offset_error: f64,
+    /// Of the bones' maps, the cluster's own among them.
+    pub largest: LargestEntries,
+}
+
+/// What no entry of some maps exceeds in magnitude.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LargestEntries {
+    pub linear: f64,
+    pub offset: f64,
+}
 
 impl RelativeMotions {
     /// `inverse` is what [`invert_frame`](crate::invert_frame) made of the map of bone row `own`; `palette` has no instance
@@ -40,8 +54,8 @@ impl RelativeMotions {
         inverse: &[[f64; 3]; 3],
         palette: &[Affine],
     ) {
-        self.0.clear();
-        self.0.reserve(cluster_bones.len());
+        self.motions.clear();
+        self.motions.reserve(cluster_bones.len());
         let own_map = &palette[own as usize];
         let [u, v, w] = inverse;
         let turn = [
@@ -50,10 +64,9 @@ impl RelativeMotions {
             [u[2], v[2], w[2], 0.0],
         ];
         let turn = Doubles::three(simd, &turn);
-        let inverse_norm = norm(turn);
-        let slack = 2.0 * inverse_error(simd, turn, own_map) + ROUNDING;
-        let own_offset = Doubles::from_point(simd, own_map.columns[3]);
-        let own_length = length(own_offset);
+        let [a, b, c, d] = own_map.columns;
+        let own_offset = Doubles::from_point(simd, d);
+        let (mut linear, mut moved) = (largest_of(simd, [a, b, c]), own_offset.abs());
         let axes = Doubles::axes(simd);
         for row in cluster_bones {
             if row.bone == own {
@@ -62,41 +75,41 @@ impl RelativeMotions {
             let [a, b, c, d] = palette[row.bone as usize].columns;
             let offset = Doubles::from_point(simd, d) - own_offset;
             let [offset_x, offset_y, offset_z, _] = offset.numbers();
-            let linear = [
-                Doubles::from_point(simd, a),
-                Doubles::from_point(simd, b),
-                Doubles::from_point(simd, c),
-            ];
-            self.0.push(RelativeMotion {
+            linear = linear.max(largest_of(simd, [a, b, c]));
+            moved = moved.max(Doubles::from_point(simd, d).abs());
+            self.motions.push(RelativeMotion {
                 columns: [
                     (weighted_sum(turn, wide(a)) - axes[0]).numbers(),
                     (weighted_sum(turn, wide(b)) - axes[1]).numbers(),
                     (weighted_sum(turn, wide(c)) - axes[2]).numbers(),
                 ],
                 offset: weighted_sum(turn, [offset_x, offset_y, offset_z]).numbers(),
-                entry_error: slack * (inverse_norm * norm(linear) + 1.0),
-                offset_error: slack * (inverse_norm * (length(Doubles::from_point(simd, d)) + own_length)),
             });
         }
+        self.largest = LargestEntries {
+            linear: greatest(linear),
+            offset: greatest(moved),
+        };
+        // Nine entries have a norm of at most three times the largest, three of at most twice.
+        let slack = 2.0 * inverse_error(simd, turn, own_map) + ROUNDING;
+        let inverse_norm = 3.0 * greatest(turn[0].abs().max(turn[1].abs()).max(turn[2].abs()));
+        self.entry_error = slack * (inverse_norm * (3.0 * self.largest.linear) + 1.0);
+        self.offset_error = slack * (inverse_norm * (4.0 * self.largest.offset));
     }
 }
 
+/// The largest magnitude of each row.
 #[inline(always)]
-fn wide([x, y, z]: [f32; 3]) -> [f64; 3] {
-    [f64::from(x), f64::from(y), f64::from(z)]
-}
-
-/// Frobenius.
-#[inline(always)]
-fn norm<S: Lanes>([x, y, z]: [Doubles<S>; 3]) -> f64 {
-    let [a, b, c, _] = (x * x + y * y + z * z).numbers();
-    (a + b + c).sqrt()
+fn largest_of<S: Lanes>(simd: S, [x, y, z]: [[f32; 3]; 3]) -> Doubles<S> {
+    let x = Doubles::from_point(simd, x).abs();
+    x.max(Doubles::from_point(simd, y).abs())
+        .max(Doubles::from_point(simd, z).abs())
 }
 
 #[inline(always)]
-fn length<S: Lanes>(v: Doubles<S>) -> f64 {
-    let [a, b, c, _] = (v * v).numbers();
-    (a + b + c).sqrt()
+fn greatest<S: Lanes>(numbers: Doubles<S>) -> f64 {
+    let [x, y, z, _] = numbers.numbers();
+    x.max(y).max(z)
 }
 
 /// `‖L·X − I‖∞` for a computed inverse L, by its columns, its own rounding included: `X⁻¹ − L = −(L·X − I)·X⁻¹`, so it
@@ -111,6 +124,5 @@ fn inverse_error<S: Lanes>(simd: S, turn: [Doubles<S>; 3], own: &Affine) -> f64 
         let entering = weighted_sum(magnitudes, [x.abs(), y.abs(), z.abs()]) + axes[j];
         sum = sum + (weighted_sum(turn, [x, y, z]) - axes[j]).abs() + entering * ROUNDING;
     }
-    let [a, b, c, _] = sum.numbers();
-    a.max(b).max(c)
+    greatest(sum)
 }

@@ -1,5 +1,6 @@
 use super::{EXTENT_LIMIT, F64_SLACK, FrameInputs, SlabRay, UNDERFLOW_FLOOR, slab_ray::distance};
 use crate::{
+    affine64::wide,
     simd::{Doubles, Lanes, weighted_sum},
     triangle::VERTEX_ERROR,
 };
@@ -76,8 +77,7 @@ impl LocalFrame {
         let (mut residual, mut rounding) = (Doubles::splat(simd, 0.0), Doubles::splat(simd, 0.0));
         let (axes, one) = (Doubles::axes(simd), Doubles::splat(simd, 1.0));
         for j in 0..3 {
-            let [a, b, c] = x[j];
-            let column = [f64::from(a), f64::from(b), f64::from(c)];
+            let column = wide(x[j]);
             let product = weighted_sum(l, column);
             let bound = weighted_sum(magnitudes, [column[0].abs(), column[1].abs(), column[2].abs()]);
             residual = residual + (product - axes[j]).abs() * extent[j];
@@ -101,11 +101,10 @@ impl LocalFrame {
         let (excess, error) = (&inputs.excess, &inputs.posed_error);
         let per_distance = |k: usize| f32_above(f64::from(RAY_ERROR) * scale[k]);
         let [l0, l1, l2] = [l[0].to_f32(), l[1].to_f32(), l[2].to_f32()];
-        let [center_x, center_y, center_z, _] = center_local.to_f32();
         let out = Self {
             linear: [[l0[0], l1[0], l2[0]], [l0[1], l1[1], l2[1]], [l0[2], l1[2], l2[2]]],
             center_world,
-            center_local: [center_x, center_y, center_z],
+            center_local: center_local.to_point(),
             margin_local: [
                 rounded(own[0], excess[0]),
                 rounded(own[1], excess[1]),

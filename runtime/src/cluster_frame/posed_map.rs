@@ -1,6 +1,7 @@
 use super::{F64_CHAIN, SMALLEST_NORMAL};
 use crate::{
     affine64::Affine64,
+    relative_motions::LargestEntries,
     simd::{Doubles, Four, Lanes, four, weighted_sum},
 };
 use restpose_formats::geom::Affine;
@@ -101,8 +102,7 @@ impl PosedMap {
         let (mut columns, mut magnitude) = ([[0.0; 3]; 4], [[0.0; 4]; 4]);
         for j in 0..4 {
             let exact = Doubles::new(simd, &map.columns[j]) * weight;
-            let [x, y, z, _] = exact.to_f32();
-            columns[j] = [x, y, z];
+            columns[j] = exact.to_point();
             let entering = Doubles::new(simd, &magnitudes.columns[j]) * weight * F64_CHAIN;
             // A subnormal entry is rounded by up to 2⁻¹⁵⁰, which is u times the last term.
             let sum = exact.rounded().abs() + entering + Doubles::splat(simd, SMALLEST_NORMAL);
@@ -142,29 +142,59 @@ fn columns<S: Lanes>(simd: S, map: &Affine) -> [Doubles<S>; 4] {
 
 /// `|X|·(|p|, 1)` for points with `|p| ≤ extent`.
 #[inline(always)]
-fn greatest_image<S: Lanes>(simd: S, map: &Affine, extent: [f64; 3]) -> Doubles<S> {
+pub(crate) fn greatest_image<S: Lanes>(simd: S, map: &Affine, extent: [f64; 3]) -> Doubles<S> {
     let [x, y, z, offset] = columns(simd, map);
     weighted_sum([x.abs(), y.abs(), z.abs()], extent) + offset.abs()
 }
 
-/// What [`PosedMap::reach`] of the product of a transform and a bone's map is, without that product: `posed` is its map. With
-/// `|T||X|·p = |T|·(|X|·p)` a third of the multiplications are left.
+/// Bounds what enters the products of an instance transform T and some bones' maps X°, `|T||X°|`, by the largest entries of
+/// these: N of point 1 has it times 2⁻²⁴, so a bound is as good as the product.
 ///
-/// It is E of point 2 but for the order of a dozen roundings in `f64`, each 2⁻⁵³ of a sum of positive numbers. The factor
-/// that E gets, u + γₙ, has 2⁻⁴⁴ relatively to spare for such ([`vertex_error`](super::vertex_error)).
-#[inline(always)]
-pub(crate) fn posed_reach<S: Lanes>(
-    simd: S,
-    transform: &Affine,
-    x: &Affine,
-    posed: &Affine,
-    extent: [f64; 3],
-) -> Doubles<S> {
-    let [a, b, c, _] = greatest_image(simd, x, extent).numbers();
-    let entering = greatest_image(simd, transform, [a, b, c]);
-    let reach = greatest_image(simd, posed, extent);
-    let smallest = SMALLEST_NORMAL * (extent[0] + extent[1] + extent[2] + 1.0);
-    reach + entering * F64_CHAIN + Doubles::splat(simd, smallest)
+/// Its sums have a dozen roundings in `f64`, each 2⁻⁵³ of a sum of positive numbers. Factors that it meets, as u + γₙ of point 2,
+/// have 2⁻⁴⁴ relatively to spare for such ([`vertex_error`](super::vertex_error)).
+#[derive(Clone, Copy)]
+pub(crate) struct Entering<S: Lanes> {
+    /// Of each entry of the product's linear part, and of each of its translation: per world axis, times 2⁻²⁴.
+    linear: Doubles<S>,
+    offset: Doubles<S>,
+    smallest: Doubles<S>,
+}
+
+impl<S: Lanes> Entering<S> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S, transform: &Affine, largest: &LargestEntries) -> Self {
+        let [x, y, z, offset] = columns(simd, transform);
+        let rows = x.abs() + y.abs() + z.abs();
+        Self {
+            linear: rows * largest.linear * F64_CHAIN,
+            offset: (rows * largest.offset + offset.abs()) * F64_CHAIN,
+            smallest: Doubles::splat(simd, SMALLEST_NORMAL),
+        }
+    }
+
+    /// A bone's map to world space, whose product is `map`.
+    #[inline(always)]
+    pub(crate) fn posed_map(&self, simd: S, map: &Affine) -> PosedMap {
+        let [x, y, z, offset] = columns(simd, map);
+        let linear = self.linear + self.smallest;
+        let offset = offset.abs() + self.offset + self.smallest;
+        PosedMap {
+            map: *map,
+            magnitude: [
+                (x.abs() + linear).numbers(),
+                (y.abs() + linear).numbers(),
+                (z.abs() + linear).numbers(),
+                offset.numbers(),
+            ],
+        }
+    }
+
+    /// E of point 2 for points whose [greatest image](greatest_image) is `image` under the product, and whose `|p|₁` is at most
+    /// `longest`.
+    #[inline(always)]
+    pub(crate) fn reach(&self, image: Doubles<S>, longest: f64) -> Doubles<S> {
+        image + (self.linear * longest + self.offset) + self.smallest * (longest + 1.0)
+    }
 }
 
 #[cfg(test)]
@@ -172,9 +202,23 @@ mod tests {
     use super::*;
     use crate::simd::Portable;
 
-    /// The reach of a product, by two ways.
+    fn largest(map: &Affine) -> LargestEntries {
+        let of = |columns: &[[f32; 3]]| {
+            columns
+                .as_flattened()
+                .iter()
+                .map(|x| f64::from(x.abs()))
+                .fold(0.0, f64::max)
+        };
+        LargestEntries {
+            linear: of(&map.columns[..3]),
+            offset: of(&map.columns[3..]),
+        }
+    }
+
+    /// What is known of a bone's map without its product bounds that of the product, and is little more of it.
     #[test]
-    fn reach_needs_no_product() {
+    fn posed_maps_need_no_product() {
         let mut random = fastrand::Rng::with_seed(9);
         for round in 0..20_000 {
             let mut map = |identity: bool| {
@@ -190,17 +234,24 @@ mod tests {
             let (transform, x) = (map(round % 5 == 0), map(round % 7 == 0));
             let extent: [f64; 3] = std::array::from_fn(|_| random.f64() * 10f64.powi(random.i32(-9..9)));
             let product = PosedMap::product(Portable, &[&Map64::new(&transform), &Map64::new(&x)]);
-            let posed = posed_map(&Map64::new(&transform), &x);
-            assert_eq!(posed, product.map);
+            let map = posed_map(&Map64::new(&transform), &x);
+            assert_eq!(map, product.map);
+            let entering = Entering::new(Portable, &transform, &largest(&x));
+            let posed = entering.posed_map(Portable, &map);
+            let image = greatest_image(Portable, &map, extent);
             let expected = product.reach(Portable, extent).numbers();
-            let found = posed_reach(Portable, &transform, &x, &posed, extent).numbers();
+            let found = entering.reach(image, extent.iter().sum()).numbers();
+            // A dozen roundings each.
+            let rounding = 32.0 * f64::EPSILON;
             for k in 0..3 {
-                // A dozen roundings each.
-                let difference = (found[k] - expected[k]).abs();
                 assert!(
-                    difference <= 32.0 * f64::EPSILON * expected[k],
+                    found[k] >= expected[k] * (1.0 - rounding),
                     "{round}: {found:?} {expected:?}"
                 );
+                for j in 0..4 {
+                    let (found, expected) = (posed.magnitude[j][k], product.magnitude[j][k]);
+                    assert!(found >= expected * (1.0 - rounding), "{round}: {found} {expected}");
+                }
             }
         }
     }
@@ -214,9 +265,13 @@ mod tests {
         let (transform, x) = (shift(1e6), shift(-1e6));
         let posed = posed_map(&Map64::new(&transform), &x);
         assert_eq!(posed, Affine::IDENTITY);
-        let reach = posed_reach(Portable, &transform, &x, &posed, [1.0; 3]).numbers();
+        let entering = Entering::new(Portable, &transform, &largest(&x));
+        let reach = entering
+            .reach(greatest_image(Portable, &posed, [1.0; 3]), 3.0)
+            .numbers();
+        let counted = 1.0 + 2e6 * F64_CHAIN;
         assert!(
-            reach[0] > 1.0 + 2e6 * F64_CHAIN * 0.99 && reach[1] < 1.0 + 1e-6,
+            reach[0] > counted * (1.0 - 1e-9) && reach[0] < counted + 1e-6,
             "{reach:?}"
         );
     }

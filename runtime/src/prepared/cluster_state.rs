@@ -3,10 +3,12 @@ use super::Prepared;
 use crate::simd::Avx2;
 use crate::{
     Aabb, Asset,
-    cluster_frame::{ClusterFrame, FrameInputs, Map64, PosedMap, Way, invert_frame, posed_reach},
+    cluster_frame::{ClusterFrame, Entering, FrameInputs, Way, greatest_image, invert_frame},
     excess::{Excess, Motions},
     mover_maps::MoverMaps,
+    pose_space::PoseSpace,
     refitted_tree::RefittedTree,
+    relative_motions::RelativeMotions,
     simd::{Doubles, Lanes, Portable, prefetch},
     vertex::moved,
 };
@@ -173,19 +175,31 @@ impl ClusterState {
         motions
             .relative
             .update(simd, bones, cluster.bone, &inverse, &prepared.pose.palette);
-        let excess = self.excess(prepared, asset, cluster, motions);
+        let space = asset.pose_spaces().of(model, self.row as usize);
+        let excess = match &space {
+            Some(space) => self.excess(prepared, asset, cluster, space, motions),
+            None => Excess::NONE,
+        };
         let (movers, posed_error) = if model.node_movers.is_empty() {
             (MoverMaps::NONE, MoverMaps::UNKNOWN)
         } else {
             // The morphs of a cluster are known with its pose space; most have none.
-            let space = asset.pose_spaces().of(model, self.row as usize);
-            let is_morphed = space.is_none_or(|space| !space.morphs.is_empty());
+            let is_morphed = space.as_ref().is_none_or(|space| !space.morphs.is_empty());
             let morph_extent = if is_morphed { prepared.morph_extent() } else { [0.0; 3] };
             MoverMaps::new(simd, asset.rest_lattice(self.row), &motions.relative, morph_extent)
         };
         PosedCluster {
             frame: self
-                .bone_frame(simd, prepared, asset, cluster, bounds_world, &excess, posed_error)
+                .bone_frame(
+                    simd,
+                    prepared,
+                    asset,
+                    cluster,
+                    &motions.relative,
+                    bounds_world,
+                    &excess,
+                    posed_error,
+                )
                 .unwrap_or_else(refitted),
             excess,
             movers,
@@ -194,20 +208,24 @@ impl ClusterState {
     }
 
     #[inline(always)]
-    fn excess(&self, prepared: &Prepared, asset: &Asset, cluster: &ClusterRow, motions: &mut Motions) -> Excess {
-        let Some(space) = asset.pose_spaces().of(asset.model(), self.row as usize) else {
-            return Excess::NONE;
-        };
+    fn excess(
+        &self,
+        prepared: &Prepared,
+        asset: &Asset,
+        cluster: &ClusterRow,
+        space: &PoseSpace,
+        motions: &mut Motions,
+    ) -> Excess {
         let weights = &prepared.pose.morph_weights;
         let mut excess = if prepared.clip_bounds_row.is_some() && space.clips_inside {
-            motions.inside(&space, weights)
+            motions.inside(space, weights)
         } else {
             let hint = match prepared.clip_bounds_row {
                 Some(row) => asset.envelope_hints().of(row, self.row),
                 None => &self.nearest_envelope,
             };
             let mut nearest = hint.load(Relaxed).min(space.envelope_count - 1);
-            let excess = motions.measure(&space, weights, &mut nearest);
+            let excess = motions.measure(space, weights, &mut nearest);
             hint.store(nearest, Relaxed);
             excess
         };
@@ -222,25 +240,23 @@ impl ClusterState {
         prepared: &Prepared,
         asset: &Asset,
         cluster: &ClusterRow,
+        relative: &RelativeMotions,
         bounds_world: &Aabb,
         excess: &Excess,
         posed_error: [f64; 3],
     ) -> Option<ClusterFrame> {
-        let transform = Map64::new(&prepared.transform);
-        let (palette, posed) = (&prepared.pose.palette, prepared.posed());
-        let own = cluster.bone as usize;
-        let morphed = prepared.morph_extent();
-        let mut reach = Doubles::splat(simd, 0.0);
+        let entering = Entering::new(simd, &prepared.transform, &relative.largest);
+        let (posed, morphed) = (prepared.posed(), prepared.morph_extent());
+        let (mut image, mut longest) = (Doubles::splat(simd, 0.0), 0.0f64);
         for (bone, extent) in moved(asset.model(), cluster) {
-            let bone = bone as usize;
             let extent = [extent[0] + morphed[0], extent[1] + morphed[1], extent[2] + morphed[2]];
-            let own = posed_reach(simd, &prepared.transform, &palette[bone], &posed[bone], extent);
-            reach = reach.max(own);
+            image = image.max(greatest_image(simd, &posed[bone as usize], extent));
+            longest = longest.max(extent[0] + extent[1] + extent[2]);
         }
         let inputs = FrameInputs {
-            frame: &PosedMap::product(simd, &[&transform, &Map64::new(&palette[own])]),
+            frame: &entering.posed_map(simd, &posed[cluster.bone as usize]),
             bounds_local: &cluster.bounds_local,
-            reach,
+            reach: entering.reach(image, longest),
             vertex_error: asset.vertex_error(),
             bounds_world,
             excess: excess.local,

@@ -62,6 +62,13 @@ impl<S: Lanes> Doubles<S> {
         self.simd.store4(self.simd.to_f32(self.lanes))
     }
 
+    /// The first three, each rounded.
+    #[inline(always)]
+    pub(crate) fn to_point(self) -> [f32; 3] {
+        let [x, y, z, _] = self.to_f32();
+        [x, y, z]
+    }
+
     /// What is left of each once it is an `f32`.
     #[inline(always)]
     pub(crate) fn rounded(self) -> Self {
