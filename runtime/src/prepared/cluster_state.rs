@@ -83,6 +83,12 @@ impl ClusterState {
         (self.row, self.cache) = (row, cache);
     }
 
+    /// Asks for what [`Self::forget`] writes.
+    #[inline]
+    pub(super) fn prefetch_to_forget(&self) {
+        prefetch(std::slice::from_ref(&self.refitted));
+    }
+
     /// Forgets what was made of it in a pose.
     pub(super) fn forget(&mut self) {
         self.refitted.forget();

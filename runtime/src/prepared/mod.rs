@@ -122,6 +122,15 @@ impl Prepared {
         prefetch(&self.posed);
         prefetch(&self.bounds);
         prefetch(self.top_level.nodes());
+        for slot in self.entered() {
+            self.clusters[slot].prefetch_to_forget();
+        }
+    }
+
+    /// Places of the clusters that hold anything of this pose.
+    fn entered(&self) -> impl Iterator<Item = usize> {
+        let words = self.entered.iter().enumerate();
+        words.flat_map(|(word, entered)| set_bits(entered.load(Relaxed)).map(move |bit| word * u64::BITS as usize + bit))
     }
 
     /// Gives back what only many rays need.
