@@ -400,7 +400,8 @@ impl Scene {
         }
     }
 
-    /// Bounds the instances that changed and builds the tree over all of them. What rays need beside that is made when they
+    /// Bounds the instances that changed, and refits the tree over all of them, or builds it anew where that one has become
+    /// worse or other instances are there. What rays need beside that is made when they
     /// come, by whichever comes first.
     ///
     /// Complexity: constant per changed instance where its file bounds its clip, else per bone; per cluster where it has
@@ -420,7 +421,7 @@ impl Scene {
         }
         let bounds = &self.bounds;
         self.top_level
-            .rebuild(0..bounds.len() as u32, |index| bounds[index as usize]);
+            .update(bounds.len() as u32, |index| bounds[index as usize]);
         Frame { scene: self }
     }
 

@@ -130,7 +130,8 @@ impl Prepared {
     /// Places of the clusters that hold anything of this pose.
     fn entered(&self) -> impl Iterator<Item = usize> {
         let words = self.entered.iter().enumerate();
-        words.flat_map(|(word, entered)| set_bits(entered.load(Relaxed)).map(move |bit| word * u64::BITS as usize + bit))
+        words
+            .flat_map(|(word, entered)| set_bits(entered.load(Relaxed)).map(move |bit| word * u64::BITS as usize + bit))
     }
 
     /// Gives back what only many rays need.
