@@ -8,7 +8,6 @@ use crate::{
     mover_maps::MoverMaps,
     pose_space::PoseSpace,
     refitted_tree::RefittedTree,
-    relative_motions::RelativeMotions,
     simd::{Doubles, Lanes, Portable, prefetch},
     vertex::moved,
 };
@@ -194,19 +193,18 @@ impl ClusterState {
             let morph_extent = if is_morphed { prepared.morph_extent() } else { [0.0; 3] };
             MoverMaps::new(simd, asset.rest_lattice(self.row), &motions.relative, morph_extent)
         };
+        let entering = Entering::new(simd, &prepared.transform, &motions.relative.largest);
+        let inputs = FrameInputs {
+            frame: &entering.posed_map(simd, &prepared.posed()[cluster.bone as usize]),
+            bounds_local: &cluster.bounds_local,
+            reach: reach(simd, prepared, moved(model, cluster), &entering),
+            vertex_error: asset.vertex_error(),
+            bounds_world,
+            excess: excess.local,
+            posed_error,
+        };
         PosedCluster {
-            frame: self
-                .bone_frame(
-                    simd,
-                    prepared,
-                    asset,
-                    cluster,
-                    &motions.relative,
-                    bounds_world,
-                    &excess,
-                    posed_error,
-                )
-                .unwrap_or_else(refitted),
+            frame: ClusterFrame::new(simd, &inputs).unwrap_or_else(refitted),
             excess,
             movers,
             refit_after: refit_after(cluster, &excess).max(asset.rays_of_followers(self.row)),
@@ -240,38 +238,6 @@ impl ClusterState {
     }
 
     #[inline(always)]
-    fn bone_frame<S: Lanes>(
-        &self,
-        simd: S,
-        prepared: &Prepared,
-        asset: &Asset,
-        cluster: &ClusterRow,
-        relative: &RelativeMotions,
-        bounds_world: &Aabb,
-        excess: &Excess,
-        posed_error: [f64; 3],
-    ) -> Option<ClusterFrame> {
-        let entering = Entering::new(simd, &prepared.transform, &relative.largest);
-        let (posed, morphed) = (prepared.posed(), prepared.morph_extent());
-        let (mut image, mut longest) = (Doubles::splat(simd, 0.0), 0.0f64);
-        for (bone, extent) in moved(asset.model(), cluster) {
-            let extent = [extent[0] + morphed[0], extent[1] + morphed[1], extent[2] + morphed[2]];
-            image = image.max(greatest_image(simd, &posed[bone as usize], extent));
-            longest = longest.max(extent[0] + extent[1] + extent[2]);
-        }
-        let inputs = FrameInputs {
-            frame: &entering.posed_map(simd, &posed[cluster.bone as usize]),
-            bounds_local: &cluster.bounds_local,
-            reach: entering.reach(image, longest),
-            vertex_error: asset.vertex_error(),
-            bounds_world,
-            excess: excess.local,
-            posed_error,
-        };
-        ClusterFrame::new(simd, &inputs)
-    }
-
-    #[inline(always)]
     fn track_frame<S: Lanes>(
         &self,
         simd: S,
@@ -295,6 +261,24 @@ impl ClusterState {
         };
         ClusterFrame::new(simd, &inputs)
     }
+}
+
+/// E of point 2 for what the bones `moved` move, each with the greatest magnitudes of its points.
+#[inline(always)]
+fn reach<S: Lanes>(
+    simd: S,
+    prepared: &Prepared,
+    moved: impl Iterator<Item = (u32, [f64; 3])>,
+    entering: &Entering<S>,
+) -> Doubles<S> {
+    let (posed, morphed) = (prepared.posed(), prepared.morph_extent());
+    let (mut image, mut longest) = (Doubles::splat(simd, 0.0), 0.0f64);
+    for (bone, extent) in moved {
+        let extent = [extent[0] + morphed[0], extent[1] + morphed[1], extent[2] + morphed[2]];
+        image = image.max(greatest_image(simd, &posed[bone as usize], extent));
+        longest = longest.max(extent[0] + extent[1] + extent[2]);
+    }
+    entering.reach(image, longest)
 }
 
 fn refit_after(cluster: &ClusterRow, excess: &Excess) -> u32 {

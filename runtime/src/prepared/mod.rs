@@ -46,7 +46,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 #[derive(Debug, Default)]
 pub(crate) struct Prepared {
     /// Unlike that of all others of its pool.
-    number: u32,
+    number: usize,
     pub transform: Affine,
     /// Asset space from rest space, and what goes with it.
     pub pose: Pose,
