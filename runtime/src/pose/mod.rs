@@ -44,6 +44,8 @@ impl Clone for Pose {
 #[derive(Debug, Default)]
 pub struct PoseEvaluator {
     locals: Vec<NodeLocal>,
+    /// Per node, whether a channel turns it.
+    turned: Vec<bool>,
     arcs: Arcs,
     worlds: Vec<Affine64>,
 }
@@ -80,7 +82,9 @@ impl PoseEvaluator {
         let simd = SimdLevel::detect();
         self.locals.clear();
         self.locals
-            .extend(model.nodes.iter().map(|row| NodeLocal::new(row.local())));
+            .extend(model.nodes.iter().map(|row| NodeLocal::as_stored(row.local())));
+        self.turned.clear();
+        self.turned.resize(model.nodes.len(), false);
         morph_weights.clear();
         morph_weights.extend(model.morph_targets.iter().map(|target| target.default_weight));
 
@@ -107,15 +111,22 @@ impl PoseEvaluator {
                     Path::Frame => cache_frames[target] = scalar(0),
                     Path::Translation => self.locals[target].set_translation(std::array::from_fn(scalar)),
                     Path::Scale => self.locals[target].set_scale(std::array::from_fn(scalar)),
-                    Path::Rotation => match curve.rotation(seconds, &mut later) {
-                        Rotation::Here(rotation) => self.locals[target].set_rotation(rotation),
-                        Rotation::On(arc) => self.arcs.push(channel.target, arc),
-                    },
+                    Path::Rotation => {
+                        self.turned[target] = true;
+                        match curve.rotation(seconds, &mut later) {
+                            Rotation::Here(rotation) => self.locals[target].set_rotation(rotation),
+                            Rotation::On(arc) => self.arcs.push(channel.target, arc),
+                        }
+                    }
                 }
             }
             self.arcs.rotate(simd, &mut self.locals);
         }
 
+        // Unit length costs a root and four quotients, which most nodes of a clip need not: they are turned by channels.
+        for (local, _) in self.locals.iter_mut().zip(&self.turned).filter(|(_, turned)| !**turned) {
+            local.normalize();
+        }
         for (node, local) in self.locals.iter_mut().enumerate() {
             change(node, local);
         }

@@ -19,8 +19,9 @@ pub enum NodeLocal {
 }
 
 impl NodeLocal {
+    /// With the rotation's length as it is, so to be [normalized](Self::normalize) unless another is set.
     #[inline(always)]
-    pub(super) fn new(local: Local) -> Self {
+    pub(super) fn as_stored(local: Local) -> Self {
         match local {
             Local::Trs {
                 translation,
@@ -28,10 +29,18 @@ impl NodeLocal {
                 scale,
             } => Self::Trs {
                 translation: translation.map(f64::from),
-                rotation: normalized(rotation.map(f64::from)),
+                rotation: rotation.map(f64::from),
                 scale: scale.map(f64::from),
             },
             Local::Matrix(columns) => Self::Matrix(columns.map(|column| column.map(f64::from))),
+        }
+    }
+
+    /// Gives the rotation unit length.
+    #[inline(always)]
+    pub(super) fn normalize(&mut self) {
+        if let Self::Trs { rotation, .. } = self {
+            *rotation = normalized(*rotation);
         }
     }
 

@@ -95,7 +95,7 @@ mod tests {
                     ..BoneRow::zeroed()
                 })
                 .collect();
-            let locals: Vec<NodeLocal> = nodes.iter().map(|row| NodeLocal::new(row.local())).collect();
+            let locals: Vec<NodeLocal> = nodes.iter().map(|row| NodeLocal::as_stored(row.local())).collect();
             let bits = |level| -> Vec<[u32; 12]> {
                 let (mut worlds, mut palette) = (Vec::new(), vec![Affine::IDENTITY; 2]);
                 write_palette(level, (&nodes, &bones), &locals, &mut worlds, &mut palette);
