@@ -145,7 +145,7 @@ impl CacheState {
     pub(crate) fn reach<S: Lanes>(&self, simd: S, model: &ModelView, cluster: &ClusterRow) -> Doubles<S> {
         let mut reach = Doubles::splat(simd, 0.0);
         for (track, extent) in moved(model, cluster) {
-            reach = reach.max(self.track(track).reach(simd, extent));
+            reach = self.track(track).reach(simd, extent).max(reach);
         }
         reach
     }

@@ -21,7 +21,7 @@
 //! # What a frame costs
 //!
 //! What its rays touch. A commit bounds the instances that changed, by their clips' boxes in the file or by their palettes,
-//! and builds a tree over them. The first ray that enters an instance poses its bones and bounds its clusters, the first that
+//! and refits or builds the tree over all. The first ray that enters an instance poses its bones and bounds its clusters, the first that
 //! enters a cluster inverts its matrix and measures its pose; in its tree boxes follow the pose as rays come by, and a ray that
 //! reaches a triangle poses its vertices. Where many rays come, all vertices are posed and the tree is refitted, once
 //! ([`Posing`]). Threads do so side by side without waiting; hits do not depend on any of it. [`FrameStats`] says what was

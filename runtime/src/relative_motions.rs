@@ -66,7 +66,8 @@ impl RelativeMotions {
         let turn = Doubles::three(simd, &turn);
         let [a, b, c, d] = own_map.columns;
         let own_offset = Doubles::from_point(simd, d);
-        let (mut linear, mut moved) = (largest_of(simd, [a, b, c]), own_offset.abs());
+        let zero = Doubles::splat(simd, 0.0);
+        let (mut linear, mut moved) = (largest_of(simd, [a, b, c], zero), own_offset.abs());
         let axes = Doubles::axes(simd);
         for row in cluster_bones {
             if row.bone == own {
@@ -75,8 +76,8 @@ impl RelativeMotions {
             let [a, b, c, d] = palette[row.bone as usize].columns;
             let offset = Doubles::from_point(simd, d) - own_offset;
             let [offset_x, offset_y, offset_z, _] = offset.numbers();
-            linear = linear.max(largest_of(simd, [a, b, c]));
-            moved = moved.max(Doubles::from_point(simd, d).abs());
+            linear = largest_of(simd, [a, b, c], linear);
+            moved = Doubles::from_point(simd, d).abs().max(moved);
             self.motions.push(RelativeMotion {
                 columns: [
                     (weighted_sum(turn, wide(a)) - axes[0]).numbers(),
@@ -98,12 +99,12 @@ impl RelativeMotions {
     }
 }
 
-/// The largest magnitude of each row.
+/// The largest magnitude of each row, `so_far` among them; of numbers alone.
 #[inline(always)]
-fn largest_of<S: Lanes>(simd: S, [x, y, z]: [[f32; 3]; 3]) -> Doubles<S> {
-    let x = Doubles::from_point(simd, x).abs();
-    x.max(Doubles::from_point(simd, y).abs())
-        .max(Doubles::from_point(simd, z).abs())
+fn largest_of<S: Lanes>(simd: S, [x, y, z]: [[f32; 3]; 3], so_far: Doubles<S>) -> Doubles<S> {
+    let so_far = Doubles::from_point(simd, x).abs().max(so_far);
+    let so_far = Doubles::from_point(simd, y).abs().max(so_far);
+    Doubles::from_point(simd, z).abs().max(so_far)
 }
 
 #[inline(always)]
@@ -125,4 +126,38 @@ fn inverse_error<S: Lanes>(simd: S, turn: [Doubles<S>; 3], own: &Affine) -> f64 
         sum = sum + (weighted_sum(turn, [x, y, z]) - axes[j]).abs() + entering * ROUNDING;
     }
     greatest(sum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{invert_frame, simd::Portable};
+    use bytemuck::Zeroable;
+
+    /// The largest entries of all bones but those that are no numbers, wherever they stand.
+    #[test]
+    fn a_bone_that_is_not_a_number_hides_no_other() {
+        let map = |scale: f32, offset: f32| {
+            let mut map = Affine::from_translation([0.0, offset, 0.0]);
+            map.columns[2][1] = scale;
+            map
+        };
+        let (far, unknown, near) = (map(-5.0, 1e6), map(f32::NAN, f32::NAN), map(1.0, 1.0));
+        for others in [[far, unknown, near], [unknown, far, near], [near, far, unknown]] {
+            let palette = [&[Affine::IDENTITY][..], &others].concat();
+            let rows: Vec<ClusterBoneRow> = (0..4)
+                .map(|bone| ClusterBoneRow {
+                    bone,
+                    ..ClusterBoneRow::zeroed()
+                })
+                .collect();
+            let mut motions = RelativeMotions::default();
+            let inverse = invert_frame(&palette[0]).unwrap();
+            motions.update(Portable, &rows, 0, &inverse, &palette);
+            assert_eq!(motions.motions.len(), 3);
+            let LargestEntries { linear, offset } = motions.largest;
+            assert_eq!((linear, offset), (5.0, 1e6));
+            assert!(motions.entry_error > ROUNDING && motions.offset_error > ROUNDING * 1e6);
+        }
+    }
 }

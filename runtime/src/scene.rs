@@ -400,8 +400,8 @@ impl Scene {
         }
     }
 
-    /// Bounds the instances that changed, and refits the tree over all of them, or builds it anew where that one has become
-    /// worse or other instances are there. What rays need beside that is made when they
+    /// Bounds the instances that changed, and refits the tree over all, or builds it anew where it has become worse than it was
+    /// or instances were added. What rays need beside that is made when they
     /// come, by whichever comes first.
     ///
     /// Complexity: constant per changed instance where its file bounds its clip, else per bone; per cluster where it has

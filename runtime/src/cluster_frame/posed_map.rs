@@ -142,7 +142,7 @@ fn columns<S: Lanes>(simd: S, map: &Affine) -> [Doubles<S>; 4] {
 
 /// `|X|·(|p|, 1)` for points with `|p| ≤ extent`.
 #[inline(always)]
-pub(crate) fn greatest_image<S: Lanes>(simd: S, map: &Affine, extent: [f64; 3]) -> Doubles<S> {
+fn greatest_image<S: Lanes>(simd: S, map: &Affine, extent: [f64; 3]) -> Doubles<S> {
     let [x, y, z, offset] = columns(simd, map);
     weighted_sum([x.abs(), y.abs(), z.abs()], extent) + offset.abs()
 }
@@ -189,10 +189,15 @@ impl<S: Lanes> Entering<S> {
         }
     }
 
-    /// E of point 2 for points whose [greatest image](greatest_image) is `image` under the product, and whose `|p|₁` is at most
-    /// `longest`.
+    /// E of point 2 for points of bone rows, by the greatest magnitudes that each of them moves; `posed` are the bones' maps to
+    /// world space. A bone that is not a number moves nothing to any place, and takes nothing from the others.
     #[inline(always)]
-    pub(crate) fn reach(&self, image: Doubles<S>, longest: f64) -> Doubles<S> {
+    pub(crate) fn reach(&self, simd: S, posed: &[Affine], points: impl Iterator<Item = (u32, [f64; 3])>) -> Doubles<S> {
+        let (mut image, mut longest) = (Doubles::splat(simd, 0.0), 0.0f64);
+        for (bone, extent) in points {
+            image = greatest_image(simd, &posed[bone as usize], extent).max(image);
+            longest = longest.max(extent[0] + extent[1] + extent[2]);
+        }
         image + (self.linear * longest + self.offset) + self.smallest * (longest + 1.0)
     }
 }
@@ -216,7 +221,7 @@ mod tests {
         }
     }
 
-    /// What is known of a bone's map without its product bounds that of the product, and is little more of it.
+    /// What is known of a bone's map without its product bounds that of the product.
     #[test]
     fn posed_maps_need_no_product() {
         let mut random = fastrand::Rng::with_seed(9);
@@ -238,9 +243,8 @@ mod tests {
             assert_eq!(map, product.map);
             let entering = Entering::new(Portable, &transform, &largest(&x));
             let posed = entering.posed_map(Portable, &map);
-            let image = greatest_image(Portable, &map, extent);
             let expected = product.reach(Portable, extent).numbers();
-            let found = entering.reach(image, extent.iter().sum()).numbers();
+            let found = entering.reach(Portable, &[map], [(0, extent)].into_iter()).numbers();
             // A dozen roundings each.
             let rounding = 32.0 * f64::EPSILON;
             for k in 0..3 {
@@ -267,12 +271,29 @@ mod tests {
         assert_eq!(posed, Affine::IDENTITY);
         let entering = Entering::new(Portable, &transform, &largest(&x));
         let reach = entering
-            .reach(greatest_image(Portable, &posed, [1.0; 3]), 3.0)
+            .reach(Portable, &[posed], [(0, [1.0; 3])].into_iter())
             .numbers();
         let counted = 1.0 + 2e6 * F64_CHAIN;
         assert!(
             reach[0] > counted * (1.0 - 1e-9) && reach[0] < counted + 1e-6,
             "{reach:?}"
         );
+    }
+
+    /// Wherever the bone stands that a chain of others has made no number.
+    #[test]
+    fn a_bone_that_is_not_a_number_hides_no_other() {
+        let far = Affine::from_translation([1e6, 0.0, 0.0]);
+        let unknown = Affine::from_translation([f32::NAN; 3]);
+        let entering = Entering::new(Portable, &Affine::IDENTITY, &largest(&far));
+        for bones in [
+            [far, unknown, Affine::IDENTITY],
+            [unknown, far, Affine::IDENTITY],
+            [Affine::IDENTITY, far, unknown],
+        ] {
+            let points = (0..3).map(|bone| (bone, [1.0; 3]));
+            let [x, ..] = entering.reach(Portable, &bones, points).numbers();
+            assert!(x > 1e6, "{x}");
+        }
     }
 }

@@ -3,12 +3,12 @@ use super::Prepared;
 use crate::simd::Avx2;
 use crate::{
     Aabb, Asset,
-    cluster_frame::{ClusterFrame, Entering, FrameInputs, Way, greatest_image, invert_frame},
+    cluster_frame::{ClusterFrame, Entering, FrameInputs, Way, invert_frame},
     excess::{Excess, Motions},
     mover_maps::MoverMaps,
     pose_space::PoseSpace,
     refitted_tree::RefittedTree,
-    simd::{Doubles, Lanes, Portable, prefetch},
+    simd::{Lanes, Portable, prefetch},
     vertex::moved,
 };
 use restpose_formats::rows::{ClusterRow, NONE};
@@ -82,7 +82,7 @@ impl ClusterState {
         (self.row, self.cache) = (row, cache);
     }
 
-    /// Asks for what [`Self::forget`] writes.
+    /// Asks for what [`Self::forget`] writes: `refitted`, and before it, where rustc puts it, the end of `posed`.
     #[inline]
     pub(super) fn prefetch_to_forget(&self) {
         prefetch(std::slice::from_ref(&self.refitted));
@@ -131,7 +131,7 @@ impl ClusterState {
         &self.refitted
     }
 
-    /// Compiled for AVX2 where there is one: compilers make vectors of what is written as arrays, and nothing is fused.
+    /// Compiled for AVX2 where there is one; nothing is fused.
     fn pose(&self, prepared: &Prepared, asset: &Asset, bounds_world: &Aabb, motions: &mut Motions) -> PosedCluster {
         #[cfg(target_arch = "x86_64")]
         if let Some(simd) = Avx2::new() {
@@ -194,10 +194,13 @@ impl ClusterState {
             MoverMaps::new(simd, asset.rest_lattice(self.row), &motions.relative, morph_extent)
         };
         let entering = Entering::new(simd, &prepared.transform, &motions.relative.largest);
+        let (posed, morphed) = (prepared.posed(), prepared.morph_extent());
+        let points =
+            moved(model, cluster).map(|(bone, [x, y, z])| (bone, [x + morphed[0], y + morphed[1], z + morphed[2]]));
         let inputs = FrameInputs {
-            frame: &entering.posed_map(simd, &prepared.posed()[cluster.bone as usize]),
+            frame: &entering.posed_map(simd, &posed[cluster.bone as usize]),
             bounds_local: &cluster.bounds_local,
-            reach: reach(simd, prepared, moved(model, cluster), &entering),
+            reach: entering.reach(simd, posed, points),
             vertex_error: asset.vertex_error(),
             bounds_world,
             excess: excess.local,
@@ -261,24 +264,6 @@ impl ClusterState {
         };
         ClusterFrame::new(simd, &inputs)
     }
-}
-
-/// E of point 2 for what the bones `moved` move, each with the greatest magnitudes of its points.
-#[inline(always)]
-fn reach<S: Lanes>(
-    simd: S,
-    prepared: &Prepared,
-    moved: impl Iterator<Item = (u32, [f64; 3])>,
-    entering: &Entering<S>,
-) -> Doubles<S> {
-    let (posed, morphed) = (prepared.posed(), prepared.morph_extent());
-    let (mut image, mut longest) = (Doubles::splat(simd, 0.0), 0.0f64);
-    for (bone, extent) in moved {
-        let extent = [extent[0] + morphed[0], extent[1] + morphed[1], extent[2] + morphed[2]];
-        image = image.max(greatest_image(simd, &posed[bone as usize], extent));
-        longest = longest.max(extent[0] + extent[1] + extent[2]);
-    }
-    entering.reach(image, longest)
 }
 
 fn refit_after(cluster: &ClusterRow, excess: &Excess) -> u32 {

@@ -3,8 +3,7 @@ use std::ops::{Add, Mul, Sub};
 
 /// Four `f64` of a set of instructions, with the operators of numbers; or three, and one that means nothing.
 ///
-/// What is written as [`four`](super::four()) becomes vectors only where it is stored at once: of a chain of sums that stay in
-/// registers compilers make single numbers.
+/// Compilers make single numbers of what is written as [`four`](super::four()) where a chain of sums stays in registers.
 #[derive(Clone, Copy)]
 pub(crate) struct Doubles<S: Lanes> {
     simd: S,
@@ -82,7 +81,7 @@ impl<S: Lanes> Doubles<S> {
         Self { lanes, ..self }
     }
 
-    /// Of numbers that do not compare, the other's.
+    /// Of numbers that do not compare, `other`'s.
     #[inline(always)]
     pub(crate) fn max(self, other: Self) -> Self {
         let lanes = self.simd.max4_f64(self.lanes, other.lanes);

@@ -1,4 +1,4 @@
-//! Vectors of four and eight `f32`, for each set of instructions that a kernel is compiled for.
+//! Vectors of four and eight `f32` and of four `f64`, for each set of instructions that a kernel is compiled for.
 //!
 //! A kernel is generic over [`Lanes`] and compiled once per [`SimdLevel`]. All levels compute the same bits: the
 //! operations are those of IEEE 754 in the same order, nothing is fused. [`Portable`] is always compiled; it is what

@@ -42,14 +42,18 @@ impl Moments {
         }
     }
 
+    fn give_back(&mut self) {
+        for (_, moment) in self.all.drain() {
+            if let Some(pool) = moment.pool.upgrade() {
+                pool.put(moment.prepared);
+            }
+        }
+    }
+
     /// An instance at a time, where it moves in the interval of the commit.
     fn at(&mut self, commit: u64, index: u32, instance: &AssetInstance, time: f32) -> &Prepared {
         if std::mem::replace(&mut self.commit, commit) != commit {
-            for (_, moment) in self.all.drain() {
-                if let Some(pool) = moment.pool.upgrade() {
-                    pool.put(moment.prepared);
-                }
-            }
+            self.give_back();
         }
         let moment = match self.all.entry(index) {
             Entry::Occupied(entry) => {
@@ -68,5 +72,11 @@ impl Moments {
         moment.time = time;
         instance.prepare_at(time, &mut moment.prepared);
         &moment.prepared
+    }
+}
+
+impl Drop for Moments {
+    fn drop(&mut self) {
+        self.give_back();
     }
 }

@@ -1,5 +1,5 @@
 //! The second proof obligation: ten million rays over ten thousand poses, in and out of the pose space, bit-equal to brute
-//! force. `RESTPOSE_LONG=100` makes it a billion over a million.
+//! force. `RESTPOSE_LONG=100 cargo test -p restpose-tests --test agreement many_poses` makes it a billion over a million.
 
 use rayon::prelude::*;
 use restpose_bake::{

@@ -1,4 +1,4 @@
-//! The same at the limits: rays, scales, numbers, clusters and top levels at which shortcuts break; and how precise an answer is.
+//! Hits at the limits: rays, scales, numbers, clusters and top levels at which shortcuts break; and how precise they are.
 
 mod crowded_top_level;
 mod deep_chains;
