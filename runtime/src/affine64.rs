@@ -109,3 +109,18 @@ impl Affine64 {
 pub(crate) fn wide([x, y, z]: [f32; 3]) -> [f64; 3] {
     [f64::from(x), f64::from(y), f64::from(z)]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_entry_makes_another_map() {
+        assert!(Affine64::from_affine(&Affine::IDENTITY).is_identity());
+        for entry in 0..12 {
+            let mut map = Affine::IDENTITY;
+            map.columns[entry / 3][entry % 3] += 0.5;
+            assert!(!Affine64::from_affine(&map).is_identity(), "{entry}");
+        }
+    }
+}

@@ -140,3 +140,57 @@ impl PoseEvaluator {
         );
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+    use restpose_formats::{
+        Model,
+        rows::{BoneRow, ChannelRow, ClipRow, Interpolation, NONE, NodeRow},
+    };
+
+    /// A rotation of any length turns alike, whether a channel writes it or none does.
+    #[test]
+    fn rotations_have_unit_length_wherever_they_come_from() {
+        let half_turn = [0.0, 0.0, -3.0, 0.0];
+        let mut model = Model::default();
+        for node in 0..2 {
+            let mut row = NodeRow::zeroed();
+            row.parent = NONE;
+            row.local[3..7].copy_from_slice(&half_turn);
+            row.local[7..10].fill(1.0);
+            model.nodes.push(row);
+            let mut bone = BoneRow::zeroed();
+            bone.node = node;
+            bone.inverse_bind = bytemuck::cast(Affine::IDENTITY);
+            model.bones.push(bone);
+        }
+        let quarter_turn = [0.0, 0.0, 2.0, 2.0];
+        model.key_times.push(0.0);
+        model.key_values.extend(quarter_turn);
+        model.channels.push(ChannelRow {
+            path: Path::Rotation as u32,
+            interpolation: Interpolation::Linear as u32,
+            width: 4,
+            key_count: 1,
+            ..ChannelRow::zeroed()
+        });
+        model.clips.push(ClipRow {
+            channel_count: 1,
+            ..ClipRow::zeroed()
+        });
+        let (mut evaluator, mut pose) = (PoseEvaluator::default(), Pose::default());
+        for (clip, turned) in [(None, [-1.0, 0.0]), (Some(0), [0.0, 1.0]), (None, [-1.0, 0.0])] {
+            evaluator.evaluate(&model.view(), clip, 0.0, &mut pose);
+            let [first, second] = [0, 1].map(|bone: usize| pose.palette[bone].columns[0]);
+            // The root of a half and its square are rounded.
+            let near = |found: [f32; 3], [x, y]: [f32; 2]| {
+                let [dx, dy, dz] = [found[0] - x, found[1] - y, found[2]];
+                dx.abs() + dy.abs() + dz.abs() <= f32::EPSILON
+            };
+            assert!(near(first, turned), "{clip:?}: {first:?}");
+            assert!(near(second, [-1.0, 0.0]), "{clip:?}: {second:?}");
+        }
+    }
+}
