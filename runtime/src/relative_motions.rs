@@ -10,6 +10,9 @@ use restpose_formats::{geom::Affine, rows::ClusterBoneRow};
 /// 2⁻⁴⁸: bounds the `f64` roundings of a relative motion, under 32 of 2⁻⁵³, relative to the magnitudes that enter it.
 pub(crate) const ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
 
+/// Of three numbers, or rows, the length is at most this times that of the greatest. √3, rounded up.
+const SQRT_3: f64 = 1.732_050_81;
+
 /// `R = X⁻¹·Xᵢ` for a bone i beside the cluster's own, X: with `E = A − 1` and b, a point p is displaced by `E·p + b`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RelativeMotion {
@@ -30,10 +33,12 @@ pub(crate) struct RelativeMotions {
     pub largest: LargestEntries,
 }
 
-/// What no entry of some maps exceeds in magnitude.
+/// What bounds the entries of some maps.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LargestEntries {
+    /// Greatest length of a row of a linear part.
     pub linear: f64,
+    /// Greatest magnitude in a translation.
     pub offset: f64,
 }
 
@@ -66,8 +71,7 @@ impl RelativeMotions {
         let turn = Doubles::three(simd, &turn);
         let [a, b, c, d] = own_map.columns;
         let own_offset = Doubles::from_point(simd, d);
-        let zero = Doubles::splat(simd, 0.0);
-        let (mut linear, mut moved) = (largest_of(simd, [a, b, c], zero), own_offset.abs());
+        let (mut linear, mut moved) = (squares(linear_of(simd, [a, b, c])), own_offset.abs());
         let axes = Doubles::axes(simd);
         for row in cluster_bones {
             if row.bone == own {
@@ -76,7 +80,8 @@ impl RelativeMotions {
             let [a, b, c, d] = palette[row.bone as usize].columns;
             let offset = Doubles::from_point(simd, d) - own_offset;
             let [offset_x, offset_y, offset_z, _] = offset.numbers();
-            linear = largest_of(simd, [a, b, c], linear);
+            // What is not a number moves no vertex to any place, and takes nothing from the others.
+            linear = squares(linear_of(simd, [a, b, c])).max(linear);
             moved = Doubles::from_point(simd, d).abs().max(moved);
             self.motions.push(RelativeMotion {
                 columns: [
@@ -88,23 +93,32 @@ impl RelativeMotions {
             });
         }
         self.largest = LargestEntries {
-            linear: greatest(linear),
+            linear: greatest(linear).sqrt(),
             offset: greatest(moved),
         };
-        // Nine entries have a norm of at most three times the largest, three of at most twice.
         let slack = 2.0 * inverse_error(simd, turn, own_map) + ROUNDING;
-        let inverse_norm = 3.0 * greatest(turn[0].abs().max(turn[1].abs()).max(turn[2].abs()));
-        self.entry_error = slack * (inverse_norm * (3.0 * self.largest.linear) + 1.0);
-        self.offset_error = slack * (inverse_norm * (4.0 * self.largest.offset));
+        let [u, v, w, _] = squares(turn).numbers();
+        let inverse_norm = (u + v + w).sqrt();
+        self.entry_error = slack * (inverse_norm * (SQRT_3 * self.largest.linear) + 1.0);
+        // The sum of two translations' lengths.
+        let offset = 2.0 * (SQRT_3 * self.largest.offset);
+        self.offset_error = slack * (inverse_norm * offset);
     }
 }
 
-/// The largest magnitude of each row, `so_far` among them; of numbers alone.
+/// The squared lengths of a linear part's rows.
 #[inline(always)]
-fn largest_of<S: Lanes>(simd: S, [x, y, z]: [[f32; 3]; 3], so_far: Doubles<S>) -> Doubles<S> {
-    let so_far = Doubles::from_point(simd, x).abs().max(so_far);
-    let so_far = Doubles::from_point(simd, y).abs().max(so_far);
-    Doubles::from_point(simd, z).abs().max(so_far)
+fn squares<S: Lanes>([x, y, z]: [Doubles<S>; 3]) -> Doubles<S> {
+    x * x + y * y + z * z
+}
+
+#[inline(always)]
+fn linear_of<S: Lanes>(simd: S, [x, y, z]: [[f32; 3]; 3]) -> [Doubles<S>; 3] {
+    [
+        Doubles::from_point(simd, x),
+        Doubles::from_point(simd, y),
+        Doubles::from_point(simd, z),
+    ]
 }
 
 #[inline(always)]
@@ -156,7 +170,8 @@ mod tests {
             motions.update(Portable, &rows, 0, &inverse, &palette);
             assert_eq!(motions.motions.len(), 3);
             let LargestEntries { linear, offset } = motions.largest;
-            assert_eq!((linear, offset), (5.0, 1e6));
+            // The second row of the far one.
+            assert_eq!((linear, offset), (26f64.sqrt(), 1e6));
             assert!(motions.entry_error > ROUNDING && motions.offset_error > ROUNDING * 1e6);
         }
     }
