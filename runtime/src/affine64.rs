@@ -1,4 +1,4 @@
-use crate::simd::{Doubles, Four, Lanes, four, weighted_sum};
+use crate::simd::{Doubles, Four, Lanes, weighted_sum};
 use restpose_formats::geom::Affine;
 
 /// An affine map in `f64`, by columns. Rows of four would need no number that means nothing, but their last one, which takes
@@ -50,19 +50,7 @@ impl Affine64 {
 
     /// `self` after `inner`.
     #[inline(always)]
-    pub(crate) fn after(&self, inner: &Self) -> Self {
-        let [a, b, c, d] = &self.columns;
-        let turned = |v: &Four| four(|k| a[k] * v[0] + b[k] * v[1] + c[k] * v[2]);
-        let [x, y, z, translation] = &inner.columns;
-        let translation = turned(translation);
-        Self {
-            columns: [turned(x), turned(y), turned(z), four(|k| translation[k] + d[k])],
-        }
-    }
-
-    /// [`Self::after`], where the result is not stored at once.
-    #[inline(always)]
-    pub(crate) fn after_in<S: Lanes>(&self, simd: S, inner: &Self) -> Self {
+    pub(crate) fn after<S: Lanes>(&self, simd: S, inner: &Self) -> Self {
         let [a, b, c, d] = &self.columns;
         let linear = [Doubles::new(simd, a), Doubles::new(simd, b), Doubles::new(simd, c)];
         let d = Doubles::new(simd, d);
@@ -77,7 +65,7 @@ impl Affine64 {
         }
     }
 
-    /// Its product with a stored map, each entry rounded.
+    /// [`Self::after`] a stored map, each entry rounded.
     #[inline(always)]
     pub(crate) fn rounded_after<S: Lanes>(&self, simd: S, inner: &Affine) -> Affine {
         let [a, b, c, d] = &self.columns;
@@ -91,16 +79,6 @@ impl Affine64 {
                 weighted_sum(linear, wide(z)).to_point(),
                 (weighted_sum(linear, wide(offset)) + d).to_point(),
             ],
-        }
-    }
-
-    /// Rounds each entry.
-    #[inline(always)]
-    pub(crate) fn to_affine(self) -> Affine {
-        let [a, b, c, d] = self.columns;
-        let column = |[x, y, z, _]: Four| [x as f32, y as f32, z as f32];
-        Affine {
-            columns: [column(a), column(b), column(c), column(d)],
         }
     }
 }

@@ -50,7 +50,7 @@ pub use inverse::invert_frame;
 pub(crate) use extents::world_box;
 pub(crate) use lattice_ray::LatticeRay;
 pub(crate) use local_frame::LocalFrame;
-pub(crate) use posed_map::{Entering, Map64, PosedMap, posed_map};
+pub(crate) use posed_map::{Entering, Map64, PosedMap};
 pub(crate) use slab_ray::SlabRay;
 
 use crate::{

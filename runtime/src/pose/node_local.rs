@@ -1,5 +1,5 @@
 use super::curve::normalized;
-use crate::affine64::Affine64;
+use crate::{affine64::Affine64, simd::Portable};
 use restpose_formats::rows::Local;
 
 /// A node's local map in a pose: parent from node, in `f64`.
@@ -53,7 +53,7 @@ impl NodeLocal {
             Self::Matrix(columns) => {
                 let [x, y, z] = axes(turn);
                 let turn = Affine64::new(&[x, y, z, [0.0; 3]]);
-                *columns = Affine64::new(columns).after(&turn).numbers();
+                *columns = Affine64::new(columns).after(Portable, &turn).numbers();
             }
         }
     }

@@ -53,7 +53,7 @@ fn write<S: Lanes>(
         let world = if row.parent == NONE {
             map
         } else {
-            worlds[row.parent as usize].after_in(simd, &map)
+            worlds[row.parent as usize].after(simd, &map)
         };
         worlds.push(world);
     }
