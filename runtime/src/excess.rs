@@ -71,10 +71,13 @@ impl Excess {
     };
 }
 
-/// A bone that moves against the cluster in this pose: E, columns first, then d.
+/// A bone that moves against the cluster in this pose.
 #[derive(Clone, Copy, Debug)]
 struct Motion {
+    /// E, columns first, then d.
     numbers: [f64; 12],
+    /// Bounds the error of each entry of E.
+    error: f64,
 }
 
 /// An envelope, judged by a few numbers.
@@ -158,12 +161,11 @@ impl Motions {
             f64::from(morph_weights[target as usize].abs())
         });
         let morphed = self.morphed[0] + self.morphed[1] + self.morphed[2];
-        let RelativeMotions {
-            entry_error,
-            offset_error,
-            ..
-        } = self.relative;
-        self.rounding = entry_error * (space.spread + space.weight * morphed) + offset_error * space.weight;
+        self.rounding = 0.0;
+        for (mover, relative) in space.movers.iter().zip(&self.relative.motions) {
+            self.rounding +=
+                relative.entry_error * (mover.spread + mover.weight * morphed) + relative.offset_error * mover.weight;
+        }
     }
 
     /// By how much the pose leaves one envelope, per local axis.
@@ -204,9 +206,8 @@ impl Motions {
             for ((motion, row), mover) in self.motions.iter().zip(envelope.bones).zip(space.movers) {
                 let off = off_line(motion, row, place);
                 for n in 0..9 {
-                    out[n % 3] += mover.weight
-                        * (motion.numbers[n].abs() + self.relative.entry_error + beyond(off[n]))
-                        * morphed[n / 3];
+                    out[n % 3] +=
+                        mover.weight * (motion.numbers[n].abs() + motion.error + beyond(off[n])) * morphed[n / 3];
                 }
             }
         }
@@ -397,6 +398,9 @@ impl Motion {
         let offset = &relative.offset;
         let d = four(|k| offset[k] + x[k] * pivot[0] + y[k] * pivot[1] + z[k] * pivot[2]);
         let numbers = [x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2], d[0], d[1], d[2]];
-        Self { numbers }
+        Self {
+            numbers,
+            error: relative.entry_error,
+        }
     }
 }

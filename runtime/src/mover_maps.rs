@@ -78,7 +78,7 @@ impl MoverMaps {
         out.morphed = morph_extent.map(|x| f32_above(x / step));
         let width = out.morphed.map(|x| WIDTH + f64::from(x));
         let [a, b, c] = width;
-        let mut reach = Doubles::new(simd, &[a, b, c, 0.0]);
+        let (mut reach, mut exact) = (Doubles::new(simd, &[a, b, c, 0.0]), 0.0);
         for (map, motion) in out.maps.iter_mut().zip(&relative.motions) {
             let linear = Doubles::three(simd, &motion.columns);
             let at_origin = Doubles::new(simd, &motion.offset) + weighted_sum(linear, origin);
@@ -87,9 +87,9 @@ impl MoverMaps {
             map.columns = [x.to_point(), y.to_point(), z.to_point(), offset.to_point()];
             let turned = weighted_sum([x.rounded().abs(), y.rounded().abs(), z.rounded().abs()], width);
             reach = reach + (turned + offset.rounded().abs()) * 3.0;
+            exact += 2.0 * (motion.entry_error * farthest + motion.offset_error);
         }
         let reach = reach.numbers();
-        let exact = 2.0 * (relative.entry_error * farthest + relative.offset_error);
         for k in 0..3 {
             let bound = PLANE_ERROR * reach[k] * step + exact;
             if reach[k] <= f64::from(MOST_STEPS) && bound.is_finite() {

@@ -13,8 +13,6 @@ pub(crate) struct PoseSpaces {
     movers: Vec<Mover>,
     /// Per cluster with a pose space, its range of `movers`.
     movers_of: Vec<Range<usize>>,
-    /// Per cluster, the sums over its movers of [`Mover::spread`] and [`Mover::weight`].
-    totals: Vec<[f64; 2]>,
     /// Per cluster.
     marks: Vec<[Mark; MARKS]>,
     /// Per cluster, its first place in `outlines`.
@@ -62,10 +60,6 @@ pub(crate) struct Mover {
 #[derive(Clone, Copy)]
 pub(crate) struct PoseSpace<'a> {
     pub movers: &'a [Mover],
-    /// Sum of the movers' [spreads](Mover::spread).
-    pub spread: f64,
-    /// Sum of the movers' weights.
-    pub weight: f64,
     pub morphs: &'a [ClusterMorphRow],
     pub envelope_count: u32,
     /// Whether every pose of the file's clips lies in an envelope.
@@ -101,9 +95,6 @@ impl PoseSpaces {
             out.movers.extend(others.map(|(_, lever)| Mover::new(lever)));
             out.movers_of.push(first..out.movers.len());
             let movers = &out.movers[first..];
-            let total = |of: fn(&Mover) -> f64| movers.iter().map(of).sum();
-            out.totals
-                .push([total(|mover| mover.spread), total(|mover| mover.weight)]);
             let rows = &model.bone_envelopes[space.bone_envelope_first as usize..];
             let envelopes: Vec<&[BoneEnvelopeRow]> = (0..space.envelope_count as usize)
                 .map(|at| &rows[at * movers.len()..][..movers.len()])
@@ -124,11 +115,8 @@ impl PoseSpaces {
         let movers = &self.movers[self.movers_of[cluster].clone()];
         let envelopes = row.envelope_count as usize;
         let morphs = row.morph_count as usize;
-        let [spread, weight] = self.totals[cluster];
         Some(PoseSpace {
             movers,
-            spread,
-            weight,
             morphs: &model.cluster_morphs[row.morph_first as usize..][..morphs],
             envelope_count: row.envelope_count,
             clips_inside: row.clips_inside != 0,

@@ -10,25 +10,22 @@ use restpose_formats::{geom::Affine, rows::ClusterBoneRow};
 /// 2⁻⁴⁸: bounds the `f64` roundings of a relative motion, under 32 of 2⁻⁵³, relative to the magnitudes that enter it.
 pub(crate) const ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
 
-/// Of three numbers, or rows, the length is at most this times that of the greatest. √3, rounded up.
-const SQRT_3: f64 = 1.732_050_81;
-
 /// `R = X⁻¹·Xᵢ` for a bone i beside the cluster's own, X: with `E = A − 1` and b, a point p is displaced by `E·p + b`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RelativeMotion {
     /// Columns of E, of three numbers each.
     pub columns: [Four; 3],
     pub offset: Four,
+    /// Bounds the error of each entry of E.
+    pub entry_error: f64,
+    /// Bounds the error of each entry of b.
+    pub offset_error: f64,
 }
 
 /// Those of a cluster, in the order of its bones. Scratch: keep one and reuse it.
 #[derive(Debug, Default)]
 pub(crate) struct RelativeMotions {
     pub motions: Vec<RelativeMotion>,
-    /// Bounds the error of each entry of each E.
-    pub entry_error: f64,
-    /// Bounds the error of each entry of each b.
-    pub offset_error: f64,
     /// Of the bones' maps, the cluster's own among them.
     pub largest: LargestEntries,
 }
@@ -72,17 +69,19 @@ impl RelativeMotions {
         let [a, b, c, d] = own_map.columns;
         let own_offset = Doubles::from_point(simd, d);
         let (mut linear, mut moved) = (squares(linear_of(simd, [a, b, c])), own_offset.abs());
+        let slack = 2.0 * inverse_error(simd, turn, own_map) + ROUNDING;
+        let (inverse_norm, own_length) = (root_of_sum(squares(turn)), root_of_sum(own_offset * own_offset));
         let axes = Doubles::axes(simd);
         for row in cluster_bones {
             if row.bone == own {
                 continue;
             }
             let [a, b, c, d] = palette[row.bone as usize].columns;
-            let offset = Doubles::from_point(simd, d) - own_offset;
-            let [offset_x, offset_y, offset_z, _] = offset.numbers();
+            let (rows, translation) = (squares(linear_of(simd, [a, b, c])), Doubles::from_point(simd, d));
+            let [offset_x, offset_y, offset_z, _] = (translation - own_offset).numbers();
             // What is not a number moves no vertex to any place, and takes nothing from the others.
-            linear = squares(linear_of(simd, [a, b, c])).max(linear);
-            moved = Doubles::from_point(simd, d).abs().max(moved);
+            linear = rows.max(linear);
+            moved = translation.abs().max(moved);
             self.motions.push(RelativeMotion {
                 columns: [
                     (weighted_sum(turn, wide(a)) - axes[0]).numbers(),
@@ -90,19 +89,14 @@ impl RelativeMotions {
                     (weighted_sum(turn, wide(c)) - axes[2]).numbers(),
                 ],
                 offset: weighted_sum(turn, [offset_x, offset_y, offset_z]).numbers(),
+                entry_error: slack * (inverse_norm * root_of_sum(rows) + 1.0),
+                offset_error: slack * (inverse_norm * (root_of_sum(translation * translation) + own_length)),
             });
         }
         self.largest = LargestEntries {
             linear: greatest(linear).sqrt(),
             offset: greatest(moved),
         };
-        let slack = 2.0 * inverse_error(simd, turn, own_map) + ROUNDING;
-        let [u, v, w, _] = squares(turn).numbers();
-        let inverse_norm = (u + v + w).sqrt();
-        self.entry_error = slack * (inverse_norm * (SQRT_3 * self.largest.linear) + 1.0);
-        // The sum of two translations' lengths.
-        let offset = 2.0 * (SQRT_3 * self.largest.offset);
-        self.offset_error = slack * (inverse_norm * offset);
     }
 }
 
@@ -110,6 +104,13 @@ impl RelativeMotions {
 #[inline(always)]
 fn squares<S: Lanes>([x, y, z]: [Doubles<S>; 3]) -> Doubles<S> {
     x * x + y * y + z * z
+}
+
+/// Of squares, a length.
+#[inline(always)]
+fn root_of_sum<S: Lanes>(squares: Doubles<S>) -> f64 {
+    let [x, y, z, _] = squares.numbers();
+    (x + y + z).sqrt()
 }
 
 #[inline(always)]
@@ -172,7 +173,6 @@ mod tests {
             let LargestEntries { linear, offset } = motions.largest;
             // The second row of the far one.
             assert_eq!((linear, offset), (26f64.sqrt(), 1e6));
-            assert!(motions.entry_error > ROUNDING && motions.offset_error > ROUNDING * 1e6);
         }
     }
 }

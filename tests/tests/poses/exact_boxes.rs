@@ -108,9 +108,8 @@ fn compare(name: &str, animation: &Animation, asset: &Arc<Asset>, source: PoseSo
 ///
 /// The inverse L of the cluster frame X is found in `f64` by cofactors, so `L·X − 1` is under a hundred roundings of 2⁻⁵³
 /// times the condition of X; every number of a relative motion `X⁻¹·Xᵢ` is off by at most that and a few more, relative to
-/// `‖X⁻¹‖·(‖Xᵢ‖ + |tᵢ| + |t|)`, the greatest of the cluster's bones, and moves a vertex by itself times at most the size of the
-/// cluster in rest space. 2⁻⁴² leaves room for both and the sums: it is a few hundred-thousandths of what one rounding to `f32`
-/// does.
+/// `‖X⁻¹‖·(‖Xᵢ‖ + |tᵢ − t|)`, and moves a vertex by itself times at most the size of the cluster in rest space. 2⁻⁴² leaves
+/// room for both and the sums: it is a few hundred-thousandths of what one rounding to `f32` does.
 fn rounding_limit(model: &ModelView, cluster: &ClusterRow, palette: &[Affine], morph_weights: &[f32]) -> f64 {
     let linear = |map: &Affine| Matrix3::from_fn(|row, column| f64::from(map.columns[column][row]));
     let translation = |map: &Affine| Vector3::from_fn(|row, _| f64::from(map.columns[3][row]));
@@ -124,19 +123,13 @@ fn rounding_limit(model: &ModelView, cluster: &ClusterRow, palette: &[Affine], m
         .map(|(target, weight)| f64::from(weight.abs()) * target.extent.iter().map(|x| f64::from(*x)).sum::<f64>())
         .sum();
     let rows = cluster.cluster_bone_first as usize..(cluster.cluster_bone_first + cluster.cluster_bone_count) as usize;
-    let maps = model.cluster_bones[rows.clone()]
-        .iter()
-        .map(|row| &palette[row.bone as usize]);
-    let (mut size, mut offset) = (linear(own).norm(), translation(own).norm());
-    for map in maps {
-        size = size.max(linear(map).norm());
-        offset = offset.max(translation(map).norm());
-    }
     let mut sum = 0.0;
     for (bone, lever) in model.cluster_bones[rows.clone()].iter().zip(&model.levers[rows]) {
         let length = |x: [f32; 3]| x.iter().map(|x| f64::from(x.abs())).sum::<f64>();
+        let map = &palette[bone.bone as usize];
         let reach = length(bone.extent()) + 2.0 * length(lever.pivot) + morphed;
-        sum += (inverse * size + 1.0) * reach + inverse * 2.0 * offset;
+        let offset = translation(map).norm() + translation(own).norm();
+        sum += (inverse * linear(map).norm() + 1.0) * reach + inverse * offset;
     }
     condition * sum * 2f64.powi(-42)
 }
