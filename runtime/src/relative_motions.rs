@@ -33,10 +33,10 @@ pub(crate) struct RelativeMotions {
 /// What bounds the entries of some maps.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LargestEntries {
-    /// Greatest length of a row of a linear part.
-    pub linear: f64,
-    /// Greatest magnitude in a translation.
-    pub offset: f64,
+    /// Greatest length of each row of a linear part.
+    pub linear: [f64; 3],
+    /// Greatest magnitude of each number of a translation.
+    pub offset: [f64; 3],
 }
 
 impl RelativeMotions {
@@ -93,9 +93,10 @@ impl RelativeMotions {
                 offset_error: slack * (inverse_norm * (root_of_sum(translation * translation) + own_length)),
             });
         }
+        let ([u, v, w, _], [x, y, z, _]) = (linear.numbers(), moved.numbers());
         self.largest = LargestEntries {
-            linear: greatest(linear).sqrt(),
-            offset: greatest(moved),
+            linear: [u.sqrt(), v.sqrt(), w.sqrt()],
+            offset: [x, y, z],
         };
     }
 }
@@ -171,8 +172,8 @@ mod tests {
             motions.update(Portable, &rows, 0, &inverse, &palette);
             assert_eq!(motions.motions.len(), 3);
             let LargestEntries { linear, offset } = motions.largest;
-            // The second row of the far one.
-            assert_eq!((linear, offset), (26f64.sqrt(), 1e6));
+            // The second row of the far one, and those of the identity.
+            assert_eq!((linear, offset), ([1.0, 26f64.sqrt(), 1.0], [0.0, 1e6, 0.0]));
         }
     }
 }
