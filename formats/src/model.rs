@@ -2,9 +2,9 @@ use crate::{
     Meta,
     rows::{
         BoneEnvelopeRow, BoneRow, CacheRow, ChannelRow, ClipBoundsRow, ClipRow, ClusterBoneRow, ClusterMorphRow,
-        ClusterRow, InfluenceRow, KdNodeRow, KeyRow, KeyVertexRow, LeverRow, MorphDeltaRow, MorphEnvelopeRow,
-        MorphSetRow, MorphTargetRow, NodeMoverRow, NodeRow, PartRow, PoseSpaceRow, PrimitiveRow, ReferenceBoxRow,
-        SampleRow, SegmentRow, TrackRow, TriangleRow, VertexRow, WideNodeRow,
+        ClusterRow, InfluenceRow, KdNodeRow, KeyBoxRow, KeyRow, KeyVertexRow, LeverRow, MorphDeltaRow,
+        MorphEnvelopeRow, MorphSetRow, MorphTargetRow, NodeMoverRow, NodeRow, PartRow, PoseSpaceRow, PrimitiveRow,
+        ReferenceBoxRow, SampleRow, SegmentRow, TrackRow, TriangleRow, VertexRow, WideNodeRow,
     },
 };
 
@@ -148,6 +148,8 @@ sections! {
     wide_nodes: WideNodeRow,
     /// Bones that the boxes of wide nodes follow, those of a node together.
     node_movers: NodeMoverRow,
+    /// Boxes of wide nodes at keys, those of a node together.
+    key_boxes: KeyBoxRow,
     /// Triangle ids in the leaves of all fuzzy trees, and those in free motion.
     references: u32,
     /// Fuzzy box of each reference's triangle; empty in wide trees, whose nodes have it.

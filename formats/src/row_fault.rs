@@ -445,6 +445,20 @@ pub enum RowFault {
         /// Place, 0 to 7.
         place: usize,
     },
+    /// A box at a key has its corners exchanged, or stands in an empty place.
+    #[error("at place {place} `min` is {min} and `max` {max} on axis {axis}, expected {expected}")]
+    KeyBox {
+        /// Place, 0 to 7.
+        place: usize,
+        /// 0 for x.
+        axis: usize,
+        /// Its least coordinate.
+        min: u8,
+        /// Its greatest coordinate.
+        max: u8,
+        /// What would be right.
+        expected: &'static str,
+    },
     /// A child's box lies outside of the box that its parent gives for it.
     #[error(
         "the box of place {place} reaches from {min} to {max} on axis {axis}, expected {least} or more and {greatest} or \

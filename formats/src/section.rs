@@ -1,8 +1,8 @@
 use crate::rows::{
     BoneEnvelopeRow, BoneRow, CacheRow, ChannelRow, ClipBoundsRow, ClipRow, ClusterBoneRow, ClusterMorphRow,
-    ClusterRow, InfluenceRow, KdNodeRow, KeyRow, KeyVertexRow, LeverRow, MorphDeltaRow, MorphEnvelopeRow, MorphSetRow,
-    MorphTargetRow, NodeMoverRow, NodeRow, PartRow, PoseSpaceRow, PrimitiveRow, ReferenceBoxRow, SampleRow, SegmentRow,
-    TrackRow, TriangleRow, VertexRow, WideNodeRow,
+    ClusterRow, InfluenceRow, KdNodeRow, KeyBoxRow, KeyRow, KeyVertexRow, LeverRow, MorphDeltaRow, MorphEnvelopeRow,
+    MorphSetRow, MorphTargetRow, NodeMoverRow, NodeRow, PartRow, PoseSpaceRow, PrimitiveRow, ReferenceBoxRow,
+    SampleRow, SegmentRow, TrackRow, TriangleRow, VertexRow, WideNodeRow,
 };
 use bytemuck::{Pod, Zeroable};
 use std::fmt;
@@ -72,6 +72,7 @@ section_kinds! {
     KdNodes b"KDND" KdNodeRow: "Nodes of the fuzzy kd-trees.",
     WideNodes b"WDND" WideNodeRow: "Nodes of the wide fuzzy trees.",
     NodeMovers b"NMOV" NodeMoverRow: "Bones that the boxes of wide nodes follow.",
+    KeyBoxes b"KBOX" KeyBoxRow: "Boxes of wide nodes at key frames.",
     References b"REFS" u32: "Triangle ids in the leaves.",
     ReferenceBoxes b"RBOX" ReferenceBoxRow: "Fuzzy boxes of the triangles in the leaves.",
     PoseSpaces b"PSPC" PoseSpaceRow: "Pose spaces of the clusters.",

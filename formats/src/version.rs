@@ -14,7 +14,8 @@ pub enum FormatVersion {
     V1_1,
     /// Adds pose spaces: boxes that hold for every pose. Written by no release, and no longer read.
     V1_2,
-    /// Adds wide fuzzy trees, bounds of stretches of clips, and boxes of what bones move in place of extents.
+    /// Adds wide fuzzy trees, boxes of their nodes at key frames, bounds of stretches of clips, and boxes of what bones move in
+    /// place of extents.
     V1_3,
 }
 

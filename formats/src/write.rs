@@ -91,7 +91,7 @@ fn place(kind: SectionKind, bytes: &[u8], end: u64) -> Option<SectionEntry> {
 }
 
 /// The sections in file order. A new field of the model that is not written here does not compile.
-fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKind, &'a [u8]); 36] {
+fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKind, &'a [u8]); 37] {
     let ModelView {
         hashes: _,
         meta: _,
@@ -123,6 +123,7 @@ fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKin
         kd_nodes,
         wide_nodes,
         node_movers,
+        key_boxes,
         references,
         reference_boxes,
         pose_spaces,
@@ -161,6 +162,7 @@ fn section_bytes<'a>(view: &ModelView<'a>, meta_bytes: &'a [u8]) -> [(SectionKin
         (SectionKind::KdNodes, cast_slice(kd_nodes)),
         (SectionKind::WideNodes, cast_slice(wide_nodes)),
         (SectionKind::NodeMovers, cast_slice(node_movers)),
+        (SectionKind::KeyBoxes, cast_slice(key_boxes)),
         (SectionKind::References, cast_slice(references)),
         (SectionKind::ReferenceBoxes, cast_slice(reference_boxes)),
         (SectionKind::PoseSpaces, cast_slice(pose_spaces)),

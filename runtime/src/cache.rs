@@ -6,8 +6,9 @@
 use crate::{
     Aabb, Affine, Asset,
     cluster_frame::{Map64, PosedMap, world_box},
-    simd::{Doubles, Lanes, Portable},
+    simd::{Doubles, Lanes, Portable, prefetch},
     vertex::moved,
+    wide::KeyBoxes,
 };
 use restpose_formats::{
     ModelView,
@@ -140,6 +141,24 @@ impl CacheState {
         })
     }
 
+    /// Boxes at keys of the nodes of a cluster with a track, where they have any.
+    #[inline]
+    pub(crate) fn key_boxes<'a>(&self, model: &ModelView<'a>, cluster: &ClusterRow) -> Option<KeyBoxes<'a>> {
+        let track = &model.tracks[cluster.track as usize];
+        let time = self.time.filter(|_| track.box_interval != 0)?;
+        let segment_keys = model.segments[time.segment as usize].key_count;
+        let count = track.key_box_count(cluster, segment_keys) as usize;
+        let key_count = track.box_key_count(segment_keys);
+        let before = time.keys[0] / track.box_interval;
+        let passed = (time.keys[0] % track.box_interval) as f32 + time.weight;
+        Some(KeyBoxes {
+            rows: &model.key_boxes[track.box_first as usize..][..count],
+            key_count,
+            keys: [before, (before + 1).min(key_count - 1)],
+            weight: passed / track.box_interval as f32,
+        })
+    }
+
     /// The greatest magnitudes, per world axis, that enter the posed vertices of a cluster.
     #[inline(always)]
     pub(crate) fn reach<S: Lanes>(&self, simd: S, model: &ModelView, cluster: &ClusterRow) -> Doubles<S> {
@@ -183,6 +202,22 @@ impl CacheState {
             track.maps[place].map.transform_point(stored)
         });
         std::array::from_fn(|k| a[k] + b[k])
+    }
+
+    /// Asks for what [`CacheState::pose_vertex`] reads first.
+    #[inline]
+    pub(crate) fn prefetch_row(&self, model: &ModelView, vertex: u32) {
+        let row = vertex.wrapping_add(self.key_vertex_shift) as usize;
+        prefetch(std::slice::from_ref(&model.key_vertices[row]));
+    }
+
+    /// Asks for what it reads next, where the first is near.
+    #[inline]
+    pub(crate) fn prefetch_stored(&self, model: &ModelView, vertex: u32) {
+        let row = &model.key_vertices[vertex.wrapping_add(self.key_vertex_shift) as usize];
+        let Some(time) = self.time else { return };
+        let first = row.word_first as usize + (u64::from(time.keys[0]) * u64::from(row.record_bits()) / 32) as usize;
+        prefetch(&model.key_words[first..(first + 6).min(model.key_words.len())]);
     }
 
     /// What [`CacheState::pose_vertex`] reads; `None` before the first update.

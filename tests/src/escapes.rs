@@ -147,7 +147,7 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    fn new([x, y, z, translation]: &[Point; 4]) -> Self {
+    pub(crate) fn new([x, y, z, translation]: &[Point; 4]) -> Self {
         let cross = |a: &Point, b: &Point| -> Point {
             let minor = |i: usize, j: usize| &(&a[i] * &b[j]) - &(&a[j] * &b[i]);
             [minor(1, 2), minor(2, 0), minor(0, 1)]
@@ -166,7 +166,7 @@ impl Frame {
     }
 
     /// The fuzzy position of a posed vertex, times `scale`.
-    fn scaled_fuzzy_position(&self, posed: &Point) -> Point {
+    pub(crate) fn scaled_fuzzy_position(&self, posed: &Point) -> Point {
         let from_origin = std::array::from_fn(|k| &posed[k] - &self.translation[k]);
         self.turned(&from_origin)
     }

@@ -21,6 +21,10 @@ pub fn kd_twin(asset: &Asset) -> Arc<Asset> {
     model.meta.tree = TreeKind::Kd;
     let nodes = std::mem::take(&mut model.wide_nodes);
     model.node_movers.clear();
+    model.key_boxes.clear();
+    for track in &mut model.tracks {
+        (track.box_first, track.box_interval) = (0, 0);
+    }
     let triangles = std::mem::take(&mut model.references);
     for cluster in &mut model.clusters {
         let own = &triangles[cluster.reference_first as usize..][..cluster.reference_count as usize];

@@ -12,6 +12,7 @@ pub mod gltf_reference;
 pub mod inside;
 mod jointed_mesh;
 mod kd_twin;
+pub mod key_box_escapes;
 mod landmarks;
 mod posed_planes;
 mod random_animation;

@@ -48,6 +48,7 @@ fn check_other_trees(view: &ModelView<'_>) -> Result<(), FormatError> {
         TreeKind::Kd => &[
             (SectionKind::WideNodes, view.wide_nodes.len()),
             (SectionKind::NodeMovers, view.node_movers.len()),
+            (SectionKind::KeyBoxes, view.key_boxes.len()),
         ],
         TreeKind::Wide => &[
             (SectionKind::KdNodes, view.kd_nodes.len()),

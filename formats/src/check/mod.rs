@@ -12,6 +12,7 @@ mod cluster_tracks;
 mod clusters;
 mod envelopes;
 mod kd_trees;
+mod key_boxes;
 mod key_vertices;
 mod levers;
 mod membership;
@@ -62,6 +63,7 @@ pub(crate) fn model(view: &ModelView<'_>) -> Result<(), FormatError> {
             node_movers::check(view)?;
         }
     }
+    key_boxes::check(view)?;
     pose_spaces::check(view)?;
     levers::check(view)?;
     envelopes::check(view)?;

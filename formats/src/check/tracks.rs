@@ -26,14 +26,19 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
 
 fn check_lattice(at: usize, track: &TrackRow) -> Result<(), FormatError> {
     let section = SectionKind::Tracks;
-    reserved(section, at, "reserved", &track.reserved)?;
+    reserved(section, at, "reserved", &[track.reserved])?;
     finite(section, at, "origin", &track.origin)?;
     finite(section, at, "step", &[track.step])?;
     if track.step <= 0.0 {
         let (field, found) = ("step", track.step);
         return Err(row(section, at, RowFault::NotAboveZero { field, found }));
     }
-    if track.key_first == NONE && (track.origin.map(f32::to_bits) != [0; 3] || track.step != 1.0) {
+    if track.key_first != NONE {
+        return Ok(());
+    }
+    reserved(section, at, "box_first", &[track.box_first])?;
+    reserved(section, at, "box_interval", &[track.box_interval])?;
+    if track.origin.map(f32::to_bits) != [0; 3] || track.step != 1.0 {
         return Err(row(section, at, RowFault::LatticeWithoutKeys));
     }
     Ok(())

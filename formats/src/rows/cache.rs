@@ -45,7 +45,7 @@ pub struct SegmentRow {
 
 /// The motion of a cluster of a vertex cache, and the lattice on which its vertices' positions are stored.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct TrackRow {
     /// First key row, one per key of the segment; `NONE` where local space is the cache's own space at every key.
     pub key_first: u32,
@@ -53,8 +53,12 @@ pub struct TrackRow {
     pub origin: [f32; 3],
     /// Local length of a lattice step, above zero.
     pub step: f32,
+    /// First [`KeyBoxRow`](super::KeyBoxRow) of the cluster that it moves; zero without keys.
+    pub box_first: u32,
+    /// Keys from one that has boxes to the next; zero where none has any, and without keys.
+    pub box_interval: u32,
     /// Zero.
-    pub reserved: [u32; 3],
+    pub reserved: u32,
 }
 
 /// A track in one key frame.

@@ -6,47 +6,61 @@ use crate::{
 };
 use restpose_formats::{geom::Aabb, rows::box_steps};
 
+/// The lattice over a cluster's bounds on an axis: where its zero is, and its step.
+pub fn lattice(cluster: &[u8], k: usize) -> [f64; 2] {
+    let [min, max] = [32, 44].map(|at| f64::from(f32s::<3>(cluster, at)[k]));
+    let exact = (max - min) / 65535.0 * (1.0 + 2.0f64.powi(-40));
+    let nearest = exact as f32;
+    let step = if f64::from(nearest) < exact {
+        f32::from_bits(nearest.to_bits() + 1)
+    } else {
+        nearest
+    };
+    [min, f64::from(step)]
+}
+
 /// The planes of a row of RBOX over a cluster's bounds: least and greatest corner.
 pub fn planes(reference_box: &[u8], cluster: &[u8]) -> [[f64; 3]; 2] {
-    let (min, max): ([f32; 3], [f32; 3]) = (f32s(cluster, 32), f32s(cluster, 44));
-    let step = |k: usize| {
-        let exact = (f64::from(max[k]) - f64::from(min[k])) / 65535.0 * (1.0 + 2.0f64.powi(-40));
-        let nearest = exact as f32;
-        f64::from(if f64::from(nearest) < exact {
-            f32::from_bits(nearest.to_bits() + 1)
-        } else {
-            nearest
-        })
-    };
     [0, 6].map(|at| {
         let coordinates = u16s(reference_box, at);
-        [0, 1, 2].map(|k| f64::from(min[k]) + f64::from(coordinates[k]) * step(k))
+        [0, 1, 2].map(|k| {
+            let [zero, step] = lattice(cluster, k);
+            zero + f64::from(coordinates[k]) * step
+        })
     })
 }
 
-/// The fuzzy positions of the only triangle of a cluster of the flag, in every uncut interval of the segment and at every
-/// key.
-fn fuzzy_positions(cluster: &[u8], segment: &[u8], positions: &[Vec<[f32; 3]>]) -> Vec<[f64; 3]> {
-    let triangle = rows(b"TRIS")[u32_at(rows(b"REFS")[u32_at(cluster, 12) as usize], 0) as usize];
+/// The fuzzy positions of a triangle of the flag, whose cluster has the track, in every uncut interval of the segment and at
+/// every key, each with its time in keys. `positions` are those of the flag's vertices at the segment's keys. What is read
+/// here is the same in both golden files.
+pub fn fuzzy_positions(
+    triangle: u32,
+    track: &[u8],
+    segment: &[u8],
+    positions: &[Vec<[f32; 3]>],
+) -> Vec<(f64, [f64; 3])> {
+    let triangle = rows(b"TRIS")[triangle as usize];
     let part = rows(b"PART")[u32_at(rows(b"CACH")[FLAG_CACHE as usize], 0) as usize];
     let corners = u32s::<3>(triangle, 0).map(|corner| (corner - u32_at(part, 16)) as usize);
-    let key_first = u32_at(rows(b"TRAK")[u32_at(cluster, 56) as usize], 0);
+    let key_first = u32_at(track, 0);
     let keys: Vec<&[u8]> = (0..u32_at(segment, 4))
         .map(|key| rows(b"KEYF")[(key_first + key) as usize])
         .collect();
     let mut out = Vec::new();
     for (k, key) in keys.iter().enumerate() {
-        let next = keys.get(k + 1).filter(|_| u32_at(key, 72) == 0).map_or(k, |_| k + 1);
-        for s in (0..=16).map(|s| f64::from(s) / 16.0) {
+        let is_cut = k + 1 == keys.len() || u32_at(key, 72) == 1;
+        let (next, steps) = if is_cut { (k, 0) } else { (k + 1, 16) };
+        for s in (0..=steps).map(|s| f64::from(s) / 16.0) {
             let mix = |a: f32, b: f32| (1.0 - s) * f64::from(a) + s * f64::from(b);
             let [map, next_map] = [k, next].map(|key| f32s::<12>(keys[key], 0));
             for corner in corners {
                 let [from, onto] = [k, next].map(|key| positions[key][corner]);
                 // The fixture's maps scale and move, no more.
-                out.push([0, 1, 2].map(|axis| {
+                let fuzzy = [0, 1, 2].map(|axis| {
                     let moved = mix(from[axis], onto[axis]) - mix(map[9 + axis], next_map[9 + axis]);
                     moved / mix(map[4 * axis], next_map[4 * axis])
-                }));
+                });
+                out.push((k as f64 + s, fuzzy));
             }
         }
     }
@@ -61,11 +75,13 @@ fn boxes_of_triangles_are_as_the_text_says() {
     for (row, segment) in [(4, 1), (5, 1), (6, 2)] {
         let cluster = clusters[row];
         let [min, max] = planes(boxes[u32_at(cluster, 12) as usize], cluster);
-        let fuzzy = fuzzy_positions(cluster, rows(b"SEGM")[segment], &positions[segment - 1]);
+        let triangle = u32_at(rows(b"REFS")[u32_at(cluster, 12) as usize], 0);
+        let track = rows(b"TRAK")[u32_at(cluster, 56) as usize];
+        let fuzzy = fuzzy_positions(triangle, track, rows(b"SEGM")[segment], &positions[segment - 1]);
         for k in 0..3 {
-            let (low, high) = fuzzy
-                .iter()
-                .fold((f64::MAX, f64::MIN), |(low, high), p| (low.min(p[k]), high.max(p[k])));
+            let (low, high) = fuzzy.iter().fold((f64::MAX, f64::MIN), |(low, high), (_, p)| {
+                (low.min(p[k]), high.max(p[k]))
+            });
             assert!(min[k] <= low && high <= max[k], "cluster {row}, axis {k}");
             // The fixture has rounded outwards and taken a step more.
             let loose = 3.0 * 16.0 / 65535.0;

@@ -41,7 +41,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 }
 
 /// The codes and row sizes of `FORMAT.md`, section 2.
-const SECTIONS: [(&[u8; 4], usize); 36] = [
+const SECTIONS: [(&[u8; 4], usize); 37] = [
     (b"META", 1),
     (b"PART", 48),
     (b"PRIM", 16),
@@ -71,6 +71,7 @@ const SECTIONS: [(&[u8; 4], usize); 36] = [
     (b"KDND", 8),
     (b"WDND", 136),
     (b"NMOV", 36),
+    (b"KBOX", 48),
     (b"REFS", 4),
     (b"RBOX", 12),
     (b"PSPC", 32),
@@ -117,12 +118,12 @@ fn header_and_table_are_as_the_text_says() {
     assert_eq!((u16_at(V1_3, 10), u16_at(V1_3, 12), u16_at(V1_3, 14)), (1, 3, 0));
     assert_eq!((u32_at(V1_3, 16), u64_at(V1_3, 24)), (128, V1_3.len() as u64));
     assert_eq!((u64_at(V1_3, 32), u64_at(V1_3, 40)), (0, 0));
-    assert_eq!((u32_at(V1_3, 48), u32_at(V1_3, 52), u64_at(V1_3, 120)), (36, 0, 0));
+    assert_eq!((u32_at(V1_3, 48), u32_at(V1_3, 52), u64_at(V1_3, 120)), (37, 0, 0));
     assert_eq!(
         (&V1_3[56..88], &V1_3[88..120]),
         (&model().hashes.source[..], &model().hashes.options[..])
     );
-    let mut sealed = V1_3[..128 + 40 * 36].to_vec();
+    let mut sealed = V1_3[..128 + 40 * 37].to_vec();
     sealed[20..24].fill(0);
     assert_eq!(u32_at(V1_3, 20), crc32(&sealed));
 
@@ -188,7 +189,7 @@ fn rows_are_as_the_text_says() {
         r.key_vertex_first, r.reserved,
     ]);
     same!(b"TRAK", m.tracks, b => (u32_at(b, 0), f32s::<3>(b, 4), f32s::<1>(b, 16), u32s::<3>(b, 20)), r => (
-        r.key_first, r.origin, [r.step], r.reserved,
+        r.key_first, r.origin, [r.step], [r.box_first, r.box_interval, r.reserved],
     ));
     same!(b"KEYF", m.keys, b => (f32s::<12>(b, 0), f32s::<3>(b, 48), f32s::<3>(b, 60), u32s::<2>(b, 72)), r => (
         r.map, r.bounds.min, r.bounds.max, [r.flags, r.reserved],

@@ -131,9 +131,19 @@ rules! {
         |m| m.tracks[1].step = f32::NAN => at!(Tracks, 1, NotFinite { field: "step", .. }),
     track_steps_are_above_zero:
         |m| m.tracks[1].step = 0.0 => at!(Tracks, 1, NotAboveZero { field: "step", .. }),
-    track_reserved_is_zero: |m| m.tracks[1].reserved[2] = 1 => at!(Tracks, 1, ReservedNotZero { .. }),
+    track_reserved_is_zero: |m| m.tracks[1].reserved = 1 => at!(Tracks, 1, ReservedNotZero { .. }),
     a_track_without_keys_has_no_origin: |m| m.tracks[4].origin[0] = -0.0 => at!(Tracks, 4, LatticeWithoutKeys),
     a_track_without_keys_has_step_one: |m| m.tracks[4].step = 0.5 => at!(Tracks, 4, LatticeWithoutKeys),
+    a_track_without_keys_has_no_boxes_at_keys:
+        |m| m.tracks[4].box_interval = 1 => at!(Tracks, 4, ReservedNotZero { field: "box_interval" }),
+    a_track_without_keys_names_no_boxes:
+        |m| m.tracks[0].box_first = 1 => at!(Tracks, 0, ReservedNotZero { field: "box_first" }),
+    kd_trees_have_no_boxes_at_keys:
+        |m| m.tracks[2].box_interval = 1
+        => at!(Tracks, 2, RangeOutOfBounds { field: "box_first", first: 0, count: 3, limit: 0 }),
+    tracks_of_kd_trees_name_no_boxes:
+        |m| m.tracks[3].box_first = 1
+        => at!(Tracks, 3, RangeNotContiguous { field: "box_first", found: 1, expected: 0 }),
     track_keys_follow_each_other:
         |m| m.tracks[2].key_first = 2
         => at!(Tracks, 2, RangeNotContiguous { field: "key_first", found: 2, expected: 3 }),

@@ -4,6 +4,7 @@
 mod fixture;
 
 mod bare_boxes;
+mod bare_key_boxes;
 mod bare_node_movers;
 mod bare_pose_spaces;
 mod bare_reader;

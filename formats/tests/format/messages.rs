@@ -1,6 +1,6 @@
 //! What an error says: what, where, expected, found, and what to do.
 
-use crate::fixture::{Forge, model, read_copy};
+use crate::fixture::{Forge, model, read_copy, wide_model};
 use restpose_formats::{Bounds, TreeKind};
 
 fn message(bytes: &[u8]) -> String {
@@ -88,6 +88,28 @@ fn rows_of_another_kind_of_trees() {
         message(&Forge::of(&model).bytes()),
         "section KDND has 8 rows, expected none, for the metadata says that trees are wide; the program that wrote it is \
          at fault: re-bake the source"
+    );
+}
+
+#[test]
+fn a_box_at_a_key_with_its_corners_exchanged() {
+    let mut model = wide_model();
+    model.key_boxes[3].min[1][0] = 240;
+    assert_eq!(
+        message(&Forge::of(&model).bytes()),
+        "section KBOX, row 3: at place 0 `min` is 240 and `max` 239 on axis 1, expected `min` at most `max`; the program \
+         that wrote it is at fault: re-bake the source"
+    );
+}
+
+#[test]
+fn a_box_at_a_key_in_an_empty_place() {
+    let mut model = wide_model();
+    model.key_boxes[8].max[2][5] = 7;
+    assert_eq!(
+        message(&Forge::of(&model).bytes()),
+        "section KBOX, row 8: at place 5 `min` is 0 and `max` 7 on axis 2, expected zero in an empty place; the program \
+         that wrote it is at fault: re-bake the source"
     );
 }
 

@@ -12,6 +12,7 @@ fn read_and_rewrite(bytes: &[u8]) {
     if let Ok(model) = read_copy(bytes) {
         decode_positions(&model);
         decode_movers(&model);
+        decode_key_boxes(&model);
         let again = write(&model).expect("an accepted model can be written");
         assert!(read_copy(&again) == Ok(model));
     }
@@ -38,6 +39,28 @@ fn decode_movers(model: &Model) {
     let of_nodes = model.wide_nodes.iter().map(|node| node.movers(all).len());
     assert_eq!(of_nodes.sum::<usize>(), all.len());
     assert!(all.iter().all(|row| (row.mover as usize) < MAX_MOVERS));
+}
+
+/// Every node of a tree whose track says so has its boxes at keys, and nothing else has any; no box has exchanged corners.
+fn decode_key_boxes(model: &Model) {
+    let mut count = 0;
+    for segment in &model.segments {
+        for cluster in &model.clusters[segment.cluster_first as usize..][..segment.cluster_count as usize] {
+            let track = &model.tracks[cluster.track as usize];
+            let keys = track.box_key_count(segment.key_count) as usize;
+            let rows = track.key_box_count(cluster, segment.key_count) as usize;
+            let boxes = &model.key_boxes[track.box_first as usize..][..rows];
+            count += rows;
+            for (at, row) in boxes.iter().enumerate() {
+                let node = &model.wide_nodes[cluster.node_first as usize + at / keys];
+                for place in 0..node.children().count() {
+                    let sides = node.box_at(row, place);
+                    assert!(sides.iter().all(|[least, greatest]| least <= greatest));
+                }
+            }
+        }
+    }
+    assert_eq!(count, model.key_boxes.len());
 }
 
 /// Values that are likely to be at a limit.

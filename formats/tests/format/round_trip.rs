@@ -20,7 +20,10 @@ fn the_independent_writer_of_these_tests_agrees() {
 #[test]
 fn every_section_of_the_fixtures_has_rows_but_those_of_the_other_kind_of_trees() {
     for (model, absent) in [
-        (model(), &[SectionKind::WideNodes, SectionKind::NodeMovers][..]),
+        (
+            model(),
+            &[SectionKind::WideNodes, SectionKind::NodeMovers, SectionKind::KeyBoxes][..],
+        ),
         (wide_model(), &[SectionKind::KdNodes, SectionKind::ReferenceBoxes]),
     ] {
         let file = Forge::of(&model);

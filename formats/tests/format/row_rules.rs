@@ -13,8 +13,8 @@ use restpose_formats::{
     TreeKind,
     geom::Aabb,
     rows::{
-        BoneRow, ChannelRow, ClipRow, InfluenceRow, KdNode, KdNodeRow, Local, MorphSetRow, NONE, NodeMoverRow, NodeRow,
-        ReferenceBoxRow, SampleRow, TriangleRow, VertexRow, WideNodeRow,
+        BoneRow, ChannelRow, ClipRow, InfluenceRow, KdNode, KdNodeRow, KeyBoxRow, Local, MorphSetRow, NONE,
+        NodeMoverRow, NodeRow, ReferenceBoxRow, SampleRow, TriangleRow, VertexRow, WideNodeRow,
     },
     write,
 };
@@ -265,6 +265,9 @@ rules! {
     kd_files_have_no_movers:
         |m| m.node_movers.push(NodeMoverRow::default())
         => RowsOfOtherTrees { section: NodeMovers, found: 1, tree: TreeKind::Kd },
+    kd_files_have_no_boxes_at_keys:
+        |m| m.key_boxes.push(KeyBoxRow::default())
+        => RowsOfOtherTrees { section: KeyBoxes, found: 1, tree: TreeKind::Kd },
     a_tree_has_a_root:
         |m| m.clusters[2].node_count = 0 => at!(Clusters, 2, EmptyRange { field: "node_count" }),
     cluster_references_follow_each_other:

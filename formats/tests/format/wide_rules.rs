@@ -2,7 +2,7 @@
 
 use crate::{
     broken::{at, rules_of},
-    fixture::{mover, read_copy, wide_model, wide_node},
+    fixture::{key_box, mover, read_copy, wide_model, wide_node},
 };
 use restpose_formats::{
     FormatError::*,
@@ -23,7 +23,7 @@ rules_of! { broken_wide;
         |m| m.reference_boxes.push(ReferenceBoxRow::default())
         => RowsOfOtherTrees { section: ReferenceBoxes, found: 1, tree: TreeKind::Wide },
     clusters_cover_all_wide_nodes:
-        |m| m.wide_nodes.push(m.wide_nodes[0]) => RowCount { section: WideNodes, expected: 8, found: 9 },
+        |m| m.wide_nodes.push(m.wide_nodes[0]) => RowCount { section: WideNodes, expected: 9, found: 10 },
     a_wide_tree_has_a_root:
         |m| m.clusters[0].node_count = 0 => at!(Clusters, 0, EmptyRange { field: "node_count" }),
 
@@ -159,6 +159,77 @@ rules_of! { broken_wide;
     clusters_without_a_lattice_have_no_movers:
         |m| m.cluster_bones[1..3].iter_mut().for_each(|row| row.bounds = Aabb::around([[1.0; 3]]))
         => at!(NodeMovers, 0, IndexOutOfRange { field: "mover", found: 0, limit: 0 }),
+
+    boxes_at_keys_follow_each_other:
+        |m| m.tracks[2].box_first = 0
+        => at!(Tracks, 2, RangeNotContiguous { field: "box_first", found: 0, expected: 2 }),
+    tracks_without_boxes_at_keys_follow_too:
+        |m| { without_boxes(m, 2); m.tracks[2].box_first = 0; }
+        => at!(Tracks, 2, RangeNotContiguous { field: "box_first", found: 0, expected: 2 }),
+    boxes_at_keys_are_in_range:
+        |m| { m.key_boxes.pop(); }
+        => at!(Tracks, 3, RangeOutOfBounds { field: "box_first", first: 5, count: 4, limit: 8 }),
+    trees_cover_all_boxes_at_keys:
+        |m| m.key_boxes.push(key_box([1; 3], [1; 3])) => RowCount { section: KeyBoxes, expected: 9, found: 10 },
+    the_last_key_has_boxes_or_stands_before_one_that_has:
+        |m| m.tracks[1].box_interval = 1
+        => at!(Tracks, 2, RangeNotContiguous { field: "box_first", found: 2, expected: 3 }),
+    no_key_has_boxes_behind_one_that_is_not_before_the_last:
+        |m| m.tracks[2].box_interval = 2
+        => at!(Tracks, 3, RangeNotContiguous { field: "box_first", found: 5, expected: 4 }),
+    boxes_at_keys_are_not_empty:
+        |m| (m.key_boxes[3].min[1][0], m.key_boxes[3].max[1][0]) = (9, 8)
+        => at!(KeyBoxes, 3, KeyBox { place: 0, axis: 1, min: 9, max: 8, expected: "`min` at most `max`" }),
+    boxes_of_the_last_node_at_the_last_key_are_not_empty:
+        |m| (m.key_boxes[8].min[2][0], m.key_boxes[8].max[2][0]) = (255, 0)
+        => at!(KeyBoxes, 8, KeyBox { place: 0, axis: 2, min: 255, max: 0, .. }),
+    empty_places_have_no_least_corner_at_a_key:
+        |m| m.key_boxes[0].min[0][1] = 1
+        => at!(KeyBoxes, 0, KeyBox { place: 1, axis: 0, min: 1, max: 0, expected: "zero in an empty place" }),
+    empty_places_have_no_greatest_corner_at_a_key:
+        |m| m.key_boxes[5].max[2][7] = 128
+        => at!(KeyBoxes, 5, KeyBox { place: 7, axis: 2, min: 0, max: 128, expected: "zero in an empty place" }),
+    empty_places_have_no_box_at_a_key:
+        |m| (m.key_boxes[6].min[1][4], m.key_boxes[6].max[1][4]) = (2, 2)
+        => at!(KeyBoxes, 6, KeyBox { place: 4, axis: 1, min: 2, max: 2, expected: "zero in an empty place" }),
+    boxes_of_a_node_at_all_keys_stand_together:
+        |m| { fill_second_place_of_last_root(m); m.key_boxes.swap(6, 7); }
+        => at!(KeyBoxes, 7, KeyBox { place: 1, axis: 0, min: 1, max: 2, .. }),
+}
+
+/// Takes the boxes at keys of a track's cluster away, so that the next row is that of the cluster behind.
+fn without_boxes(model: &mut Model, track: usize) {
+    let [first, end] = [track, track + 1].map(|track| model.tracks[track].box_first as usize);
+    model.key_boxes.drain(first..end);
+    model.tracks[track].box_interval = 0;
+    for track in &mut model.tracks[track + 1..] {
+        track.box_first = track.box_first.saturating_sub((end - first) as u32);
+    }
+}
+
+/// Gives the last tree the triangle that moves freely beside it, in its root, of which then one place more is in use than of the
+/// node below.
+fn fill_second_place_of_last_root(model: &mut Model) {
+    let free = model.clusters.pop().expect("a cluster in free motion");
+    model.segments[2].cluster_count -= 1;
+    let tree = &mut model.clusters[6];
+    (tree.triangle_count, tree.reference_count) = (2, 2);
+    model.references.swap(8, 9);
+    for at in 0..tree.cluster_bone_count {
+        let more = model.cluster_bones[(free.cluster_bone_first + at) as usize];
+        let row = &mut model.cluster_bones[(tree.cluster_bone_first + at) as usize];
+        assert_eq!(row.bone, more.bone);
+        row.bounds = row.bounds.union(more.bounds);
+    }
+    model.cluster_bones.truncate(free.cluster_bone_first as usize);
+    let below = (WideChild::Node(1), leaf_of(model, 7).1);
+    let root = wide_node(&[below, (WideChild::Leaf(7), below.1)]);
+    model.wide_nodes[7] = WideNodeRow { mover_first: 3, ..root };
+    for row in &mut model.key_boxes[5..7] {
+        for k in 0..3 {
+            (row.min[k][1], row.max[k][1]) = (1, 2);
+        }
+    }
 }
 
 /// Gives a node one mover more, bone 0 of the others, in the first row of all that are not before it.
@@ -256,4 +327,39 @@ fn boxes_that_follow_may_lie_in_a_plane_and_fill_the_lattice() {
     }
     model.node_movers[0] = mover(0, u16::MAX, u16::MAX);
     assert!(write(&model).is_ok());
+}
+
+#[test]
+fn boxes_at_keys_may_lie_in_a_plane_and_reach_beyond_those_of_the_segment() {
+    let mut model = wide_model();
+    model.key_boxes[2] = key_box([0; 3], [u8::MAX; 3]);
+    model.key_boxes[3] = key_box([0; 3], [0; 3]);
+    model.key_boxes[4] = key_box([u8::MAX; 3], [u8::MAX; 3]);
+    let bytes = write(&model).expect("the model is valid");
+    assert_eq!(read_copy(&bytes), Ok(model));
+}
+
+#[test]
+fn a_cluster_between_others_may_have_no_boxes_at_keys() {
+    let mut model = wide_model();
+    without_boxes(&mut model, 2);
+    assert_eq!([1, 2, 3].map(|track| model.tracks[track].box_first), [0, 2, 2]);
+    let bytes = write(&model).expect("the model is valid");
+    assert_eq!(read_copy(&bytes), Ok(model));
+}
+
+#[test]
+fn boxes_at_keys_may_be_further_apart_than_the_segment_is_long() {
+    let mut model = wide_model();
+    model.tracks[1].box_interval = u32::MAX;
+    let bytes = write(&model).expect("the model is valid");
+    assert_eq!(read_copy(&bytes), Ok(model));
+}
+
+#[test]
+fn nodes_of_a_tree_have_different_places_in_use_at_keys() {
+    let mut model = wide_model();
+    fill_second_place_of_last_root(&mut model);
+    let bytes = write(&model).expect("the model is valid");
+    assert_eq!(read_copy(&bytes), Ok(model));
 }

@@ -92,7 +92,7 @@ impl LocalFrame {
         let scale = magnitudes[0] + magnitudes[1] + magnitudes[2];
         let extent = Doubles::new(simd, &[extent[0], extent[1], extent[2], 0.0]);
         // |c_l| once in point 6; planes of the local box twice the extent in point 7.
-        let box_rounding = (center_local.abs() + extent) * (32.0 * UNIT_ROUNDOFF);
+        let box_rounding = (center_local.abs() + extent) * (48.0 * UNIT_ROUNDOFF);
         let floor = (one + scale) * UNDERFLOW_FLOOR;
         let own = (residual + moved + box_rounding + rounding * F64_SLACK + floor).numbers();
         let scale = scale.numbers();

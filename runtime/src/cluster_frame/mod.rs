@@ -32,7 +32,8 @@
 //!
 //! Boxes of single triangles are on a lattice, and a plane at step q is computed as `q·(step·(1/d)) + ((min − o) ∓
 //! margin)·(1/d)`: nine roundings, relative to `|min − o|` and the side of the box, which is at most twice its extent.
-//! That is within the 4u relative to `|plane − o|` of point 7 and 32u of the extent.
+//! That is within the 4u relative to `|plane − o|` of point 7 and 32u of the extent; where q itself lies between those of two
+//! keys it has eight roundings more, each of 239/223 sides or less, and two of the weight, of 255/223: 22u of the extent.
 //!
 //! Based on: Higham, *Accuracy and Stability of Numerical Algorithms*, §3; Ize, *Robust BVH Ray Traversal*, JCGT 2(2),
 //! 2013. Differs from Ize: he widens `t` of the far planes by 1 + 2γ; here the plane itself moves by an absolute

@@ -307,16 +307,28 @@ impl Prepared {
         self.morph_extent
     }
 
-    /// Asks for what [`Self::pose_triangle`] reads first, in a part without a vertex cache, of a triangle whose row is near.
+    /// Asks for what [`Self::pose_triangle`] reads first of a triangle whose row is near. `cache` is that of its part.
     #[inline]
-    pub(crate) fn prefetch_corners(&self, model: &ModelView, triangle: u32) {
+    pub(crate) fn prefetch_corners(&self, model: &ModelView, cache: u32, triangle: u32) {
         for corner in model.triangles[triangle as usize].corners {
             if let Some(whole) = self.whole.get() {
                 prefetch(std::slice::from_ref(&whole.positions[corner as usize]));
             } else if let Some(memo) = self.memo.get() {
                 prefetch(memo.row(corner));
-            } else {
+            } else if cache == NONE {
                 prefetch(std::slice::from_ref(&model.vertices[corner as usize]));
+            } else {
+                self.caches[cache as usize].prefetch_row(model, corner);
+            }
+        }
+    }
+
+    /// Asks for what it reads next in a part with a vertex cache, whose [corners](Self::prefetch_corners) are near.
+    #[inline]
+    pub(crate) fn prefetch_stored(&self, model: &ModelView, cache: u32, triangle: u32) {
+        if self.memo.get().is_none() {
+            for corner in model.triangles[triangle as usize].corners {
+                self.caches[cache as usize].prefetch_stored(model, corner);
             }
         }
     }

@@ -53,6 +53,12 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn widen8_bytes(self, from: &[u8; 8]) -> __m256 {
+        // SAFETY: see above; 8 bytes.
+        unsafe { _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(from.as_ptr().cast()))) }
+    }
+
+    #[inline(always)]
     fn add8(self, a: __m256, b: __m256) -> __m256 {
         // SAFETY: see above.
         unsafe { _mm256_add_ps(a, b) }

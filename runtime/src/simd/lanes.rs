@@ -15,6 +15,7 @@ pub(crate) trait Lanes: Copy {
     fn splat8(self, x: f32) -> Self::F8;
     /// Eight whole numbers, exactly.
     fn widen8(self, from: &[u16; 8]) -> Self::F8;
+    fn widen8_bytes(self, from: &[u8; 8]) -> Self::F8;
     fn add8(self, a: Self::F8, b: Self::F8) -> Self::F8;
     fn sub8(self, a: Self::F8, b: Self::F8) -> Self::F8;
     fn abs8(self, a: Self::F8) -> Self::F8;

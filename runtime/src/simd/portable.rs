@@ -35,6 +35,11 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn widen8_bytes(self, from: &[u8; 8]) -> [f32; 8] {
+        from.map(f32::from)
+    }
+
+    #[inline(always)]
     fn add8(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
         std::array::from_fn(|k| a[k] + b[k])
     }

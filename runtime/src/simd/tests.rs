@@ -16,6 +16,7 @@ fn everything<S: Lanes>(simd: S, a: &[f32; 8], b: &[f32; 8]) -> Vec<u32> {
         simd.splat8(a[2]),
         simd.join(simd.halves(wide_b)[1], simd.halves(wide_a)[0]),
         simd.widen8(&a.map(|x| x as u16)),
+        simd.widen8_bytes(&a.map(|x| x as u8)),
     ];
     let [x, y] = simd.halves(wide_a);
     let z = simd.halves(wide_b)[0];

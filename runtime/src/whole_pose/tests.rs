@@ -104,7 +104,7 @@ fn cached_model(random: &mut Rng, vertices: u32) -> Model {
             key_first: keys * track,
             origin: std::array::from_fn(|_| number(random)),
             step: random.f32(),
-            reserved: [0; 3],
+            ..TrackRow::zeroed()
         });
         for _ in 0..keys {
             let mut key = KeyRow::zeroed();

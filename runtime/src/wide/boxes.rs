@@ -6,11 +6,15 @@ pub(crate) trait WideBoxes<R> {
     /// Packed [`WideChild`](restpose_formats::rows::WideChild)ren.
     fn children(&self) -> &[u32; 8];
 
+    /// Asks for what [`Self::meet`] reads, apart from the node itself.
+    fn prefetch(_at: u32, _ray: &R) {}
+
     /// Where the ray enters and leaves each box, cut to the range from `start` to `limit`: it may be inside where it enters no
     /// later than it leaves. Places that are empty as children may be among these.
     ///
     /// Both ends of the range are numbers; a plane whose `t` is none restricts nothing.
-    fn meet<S: Lanes>(&self, simd: S, ray: &R, start: f32, limit: f32) -> [S::F8; 2];
+    /// `at` is the node's index in its tree.
+    fn meet<S: Lanes>(&self, simd: S, at: u32, ray: &R, start: f32, limit: f32) -> [S::F8; 2];
 }
 
 impl WideBoxes<WideRay> for WideNode {
@@ -20,7 +24,7 @@ impl WideBoxes<WideRay> for WideNode {
     }
 
     #[inline(always)]
-    fn meet<S: Lanes>(&self, simd: S, ray: &WideRay, start: f32, limit: f32) -> [S::F8; 2] {
+    fn meet<S: Lanes>(&self, simd: S, _at: u32, ray: &WideRay, start: f32, limit: f32) -> [S::F8; 2] {
         let (mut enter, mut exit) = (simd.splat8(start), simd.splat8(limit));
         for k in 0..3 {
             let near_row = ray.near_row[k] & 1;

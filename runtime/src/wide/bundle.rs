@@ -215,7 +215,7 @@ impl WideBundle {
 
     #[inline(always)]
     fn meets_any_with<S: Lanes>(&self, simd: S, node: &WideNode, limit: f32) -> bool {
-        let [enter, exit] = node.meet(simd, self, self.start, limit);
+        let [enter, exit] = node.meet(simd, 0, self, self.start, limit);
         simd.le8(enter, exit) != 0
     }
 }
@@ -227,7 +227,7 @@ impl WideBoxes<WideBundle> for WideNode {
     }
 
     #[inline(always)]
-    fn meet<S: Lanes>(&self, simd: S, bundle: &WideBundle, start: f32, limit: f32) -> [S::F8; 2] {
+    fn meet<S: Lanes>(&self, simd: S, _at: u32, bundle: &WideBundle, start: f32, limit: f32) -> [S::F8; 2] {
         let (mut enter, mut exit) = (simd.splat8(start), simd.splat8(limit));
         let [least, greatest] = &bundle.inverse_direction;
         for k in 0..3 {

@@ -47,7 +47,7 @@ impl Descent {
             if let Some(node) = node {
                 counters.step();
                 let boxes = &nodes[node as usize];
-                let [enter, exit] = boxes.meet(simd, ray, self.start, self.limit);
+                let [enter, exit] = boxes.meet(simd, node, ray, self.start, self.limit);
                 *count += simd.sort8(enter, exit, boxes.children(), stack.eight(*count));
             }
             let child = stack.pop(count, self.floor, self.limit)?;
@@ -56,6 +56,7 @@ impl Descent {
             }
             if self.is_far {
                 prefetch(std::slice::from_ref(&nodes[child as usize]));
+                N::prefetch(child, ray);
                 return Some(child);
             }
             node = Some(child);

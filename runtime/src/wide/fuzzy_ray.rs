@@ -1,4 +1,4 @@
-use super::boxes::WideBoxes;
+use super::{boxes::WideBoxes, key_boxes::KeyBoxes};
 use crate::{cluster_frame::LatticeRay, mover_maps::MoverMaps, simd::Lanes};
 use restpose_formats::rows::{MAX_MOVERS, MOVER_WEIGHTS, NodeMoverRow, WideNodeRow};
 
@@ -7,6 +7,8 @@ use restpose_formats::rows::{MAX_MOVERS, MOVER_WEIGHTS, NodeMoverRow, WideNodeRo
 pub(crate) struct FuzzyRay<'a> {
     /// On the lattice of the fuzzy boxes, for nodes without movers.
     pub fuzzy: LatticeRay,
+    /// Boxes of all nodes at keys, where they have any; none of them has movers then.
+    pub keys: Option<KeyBoxes<'a>>,
     /// On the lattice of the rest positions, for those with movers.
     pub posed: LatticeRay,
     /// How the cluster's movers move against it.
@@ -22,8 +24,18 @@ impl WideBoxes<FuzzyRay<'_>> for WideNodeRow {
     }
 
     #[inline(always)]
-    fn meet<S: Lanes>(&self, simd: S, ray: &FuzzyRay<'_>, start: f32, limit: f32) -> [S::F8; 2] {
-        if self.mover_count == 0 {
+    fn prefetch(at: u32, ray: &FuzzyRay<'_>) {
+        if let Some(keys) = &ray.keys {
+            keys.prefetch(at);
+        }
+    }
+
+    #[inline(always)]
+    fn meet<S: Lanes>(&self, simd: S, at: u32, ray: &FuzzyRay<'_>, start: f32, limit: f32) -> [S::F8; 2] {
+        if let Some(keys) = &ray.keys {
+            let planes = keys.planes(simd, at, stored_planes(simd, self));
+            meet_planes(simd, planes, &ray.fuzzy, start, limit)
+        } else if self.mover_count == 0 {
             meet_planes(simd, stored_planes(simd, self), &ray.fuzzy, start, limit)
         } else {
             meet_planes(simd, posed_planes(simd, self, ray), &ray.posed, start, limit)

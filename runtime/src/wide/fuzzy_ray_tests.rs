@@ -226,6 +226,7 @@ impl Posed {
             posed: nowhere,
             motions: &self.maps,
             movers: &self.movers,
+            keys: None,
         };
         posed_planes(simd, &self.node, &ray).map(|sides| {
             sides.map(|lanes| {

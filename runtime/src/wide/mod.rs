@@ -2,7 +2,8 @@
 //!
 //! One traversal, [`Descent`], serves both kinds of node: [`WideNode`]s with boxes in world space (the top level, an
 //! instance's top level, trees over posed triangles), and the rows of a file, whose boxes are on one of their cluster's
-//! two lattices in its local space ([`FuzzyRay`]). [`refit`] gives a tree the boxes of this frame, [`append_rows`] takes the topology of a file's
+//! two lattices in its local space ([`FuzzyRay`]), for all poses, for what moves in this one, or between two keys
+//! ([`KeyBoxes`]). [`refit`] gives a tree the boxes of this frame, [`append_rows`] takes the topology of a file's
 //! tree, [`collapse`] makes a wide tree of a binary one.
 //!
 //! Coherent rays go through trees in world space together: a [`Packet`] makes a bundle of them, which [`walk_together`] takes
@@ -21,6 +22,7 @@ mod fuzzy_ray;
 #[cfg(test)]
 mod fuzzy_ray_tests;
 mod group_bundles;
+mod key_boxes;
 mod node;
 mod packet;
 #[cfg(test)]
@@ -36,6 +38,7 @@ mod tests;
 pub(crate) use collapse::collapse;
 pub(crate) use descent::Descent;
 pub(crate) use fuzzy_ray::FuzzyRay;
+pub(crate) use key_boxes::KeyBoxes;
 pub(crate) use node::{WideNode, append_rows};
 pub(crate) use packet::{Bundled, PACKET, Packet};
 pub(crate) use packet_walk::{Part, walk_together};

@@ -230,7 +230,7 @@ fn meets_alone(ray: &Ray, bounds: &Aabb, within: &Aabb) -> bool {
     let mut node = WideNode::EMPTY;
     node.set_bounds(0, bounds);
     let wide = WideRay::new(&SlabRay::in_world(ray.origin, ray.direction, within));
-    let [enter, exit] = node.meet(Portable, &wide, ray.t_min, ray.t_max);
+    let [enter, exit] = node.meet(Portable, 0, &wide, ray.t_min, ray.t_max);
     enter[0] <= exit[0]
 }
 

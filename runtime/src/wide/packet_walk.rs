@@ -77,7 +77,7 @@ fn walk_with<S: Lanes>(
     let mut bundle = together.all;
     let mut limit = bundled.limit;
     loop {
-        let [enter, exit] = nodes[node as usize].meet(simd, &bundle, bundle.start, limit);
+        let [enter, exit] = nodes[node as usize].meet(simd, node, &bundle, bundle.start, limit);
         // Not the children: where their boxes are, too, must be known.
         let places = std::array::from_fn(|place| node << 3 | place as u32);
         count += simd.sort8(enter, exit, &places, stack.eight(count));

@@ -283,6 +283,7 @@ fn fuzzy_ray(ray: LatticeRay) -> FuzzyRay<'static> {
         posed: ray,
         motions: &MoverMaps::NONE,
         movers: &[],
+        keys: None,
     }
 }
 

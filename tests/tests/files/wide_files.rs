@@ -2,7 +2,7 @@
 //! and the same bytes on any number of threads.
 
 use restpose_bake::{
-    BakeSettings, DecomposeSettings, NoProgress, SegmentSettings, bake,
+    BakeSettings, DecomposeSettings, NoProgress, bake,
     import::{Animation, FrameRange, ImportSettings, import, import_files},
     subdivide::subdivide,
 };
@@ -155,10 +155,7 @@ fn wide_files_are_the_same_bytes_on_one_and_two_threads() {
     for (name, animation) in animations() {
         let settings = BakeSettings {
             tree: TreeKind::Wide,
-            segments: SegmentSettings {
-                most: 2,
-                ..SegmentSettings::default()
-            },
+            segments: 2,
             ..BakeSettings::default()
         };
         let bytes = |threads| {

@@ -2,6 +2,7 @@
 
 mod clip_bounds;
 mod exact_boxes;
+mod key_boxes;
 mod pose_space;
 mod poses;
 mod rounded_motion;

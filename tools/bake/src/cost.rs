@@ -1,6 +1,5 @@
 //! What rays and frames are expected to cost: how the baker compares structures before it has traced a ray.
 
-use crate::fuzzy_tree::FuzzyTree;
 use restpose_formats::geom::Aabb;
 use restpose_runtime::build::{BvhSettings, KdSettings};
 
@@ -22,6 +21,10 @@ pub(crate) fn wide_tree() -> BvhSettings {
     }
 }
 
+/// What a node with boxes at keys is compared by: interpolating its boxes, and reading them in two places more, takes another
+/// 28 ns (elephant, single frames of 1,000 rays: as long with 12.2 steps and 5.6 tests as with 10.9 such steps and 2.4 tests).
+pub(crate) const KEYED_TRAVERSAL_COST: f64 = 2.5;
+
 // Not counted: that the runtime poses and refits the whole of an instance that many rays enter. With that, fuzzy trees were the
 // faster even of the shattering vase: 1.7 against 8.8 ms with 1,000 rays, 11 against 20 with 10,000 (`restpose measure frame`).
 
@@ -30,8 +33,9 @@ const ENTRY_COST: f64 = 8.0;
 
 /// The expected steps of a ray that meets the box around all clusters, mean over the key frames.
 ///
-/// `clusters` are trees with the box of their contents at each key; the chance to enter one is the ratio of surfaces.
-pub(crate) fn expected_cost<'a>(clusters: impl Iterator<Item = (&'a FuzzyTree, &'a [Aabb])> + Clone) -> f64 {
+/// `clusters` are expected costs of trees with the box of their contents at each key; the chance to enter one is the ratio of
+/// surfaces.
+pub(crate) fn expected_cost<'a>(clusters: impl Iterator<Item = (f64, &'a [Aabb])> + Clone) -> f64 {
     let key_count = clusters.clone().map(|(_, bounds)| bounds.len()).max().unwrap_or(0);
     let mut wholes = vec![Aabb::EMPTY; key_count];
     for (key, bounds) in clusters.clone().flat_map(|(_, bounds)| bounds.iter().enumerate()) {
@@ -39,7 +43,7 @@ pub(crate) fn expected_cost<'a>(clusters: impl Iterator<Item = (&'a FuzzyTree, &
     }
     let mut cost = 0.0;
     for (tree, bounds) in clusters {
-        let inside = ENTRY_COST + tree.cost();
+        let inside = ENTRY_COST + tree;
         let shares = bounds.iter().zip(&wholes).map(|(own, whole)| share(own, whole));
         cost += inside * shares.sum::<f64>();
     }
@@ -69,9 +73,10 @@ const REBUILT_NANOSECONDS: f64 = 28.5;
 /// elephant 575, goose 521, shards 345.
 const REBUILD_NANOSECONDS: f64 = 420.0;
 
-/// Nanoseconds per cluster of interpolating its track, inverting it and bounding the rest: cow 140 µs for 44 clusters and
-/// 21 µs for 4, horse 90 µs for 33, chicken 118 µs for 33, elephant 138 µs for 37.
-const CLUSTER_NANOSECONDS: f64 = 3_000.0;
+/// Nanoseconds per cluster of interpolating its track, bounding it, and posing it for the first ray: beside 20 µs of a frame
+/// that both ways have, cow 48 µs for 44 clusters, horse 35 for 33, chicken 28 for 39, shatter 100 for 52; half as much again
+/// where rays enter all of them.
+const CLUSTER_NANOSECONDS: f64 = 1_500.0;
 
 /// What a part is expected to take one thread per frame, and per ray that meets it.
 #[derive(Clone, Copy, Debug, Default)]

@@ -29,5 +29,5 @@ pub use poses::{JointLimits, JointLimitsError, JointRange, LimitSettings, PoseSp
 pub use progress::{NoProgress, Progress};
 pub use report::{BakeReport, PartReport, StageSeconds};
 pub use restpose_formats::rows::MotionClass;
-pub use settings::{BakeSettings, ClipSelection, SegmentSettings};
+pub use settings::{BakeSettings, ClipSelection};
 pub use write_file::write_file;

@@ -43,28 +43,15 @@ pub struct BakeSettings {
     pub position_error: Option<f64>,
     /// Vertex caches: how motion is decomposed.
     pub motion: DecomposeSettings,
-    /// Vertex caches: time segments.
-    pub segments: SegmentSettings,
+    /// Vertex caches: most time segments. At least 1; default 1: no splitting.
+    pub segments: usize,
+    /// Vertex caches: more time segments, and boxes at more keys, are kept if the part of the expected cost that they save is at
+    /// least this times the part of bytes that they add. At least 0; default 0.1: a tenth of the cost for twice the bytes.
+    pub size_worth: f64,
     /// Vertex caches: rays of a frame that meet the part, at least 0. Where a tree built for each frame is expected to take
     /// less time than fuzzy trees, on one thread, the part is in free motion; 0: only where that is asked for. Default 1,000:
     /// line of sight and hit-scan ask for hundreds, a picture for a million.
     pub rays_per_frame: f64,
-}
-
-/// Splitting vertex caches in time.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SegmentSettings {
-    /// Most segments of a cache. At least 1; default 1: no splitting.
-    pub most: usize,
-    /// A split is kept if the part of the expected cost that it saves is at least this times the part of bytes that it
-    /// adds. At least 0; default 0.1: one percent of the cost for ten percent of bytes.
-    pub worth: f64,
-}
-
-impl Default for SegmentSettings {
-    fn default() -> Self {
-        Self { most: 1, worth: 0.1 }
-    }
 }
 
 impl Default for BakeSettings {
@@ -81,7 +68,8 @@ impl Default for BakeSettings {
             class_overrides: Vec::new(),
             position_error: None,
             motion: DecomposeSettings::default(),
-            segments: SegmentSettings::default(),
+            segments: 1,
+            size_worth: 0.1,
             rays_per_frame: 1_000.0,
         }
     }
@@ -121,7 +109,7 @@ impl BakeSettings {
             ("position error", self.position_error.unwrap_or(0.0), 0.0, f64::INFINITY),
             ("iteration threshold", self.motion.iteration_threshold, 0.0, 1.0),
             ("cluster threshold", self.motion.cluster_threshold, 0.0, 1.0),
-            ("segment worth", self.segments.worth, 0.0, f64::INFINITY),
+            ("size worth", self.size_worth, 0.0, f64::INFINITY),
             ("rays per frame", self.rays_per_frame, 0.0, f64::INFINITY),
         ];
         for (name, found, least, most) in numbers {
@@ -177,8 +165,8 @@ impl BakeSettings {
             ("max_iterations", motion.max_iterations.to_string()),
             ("rest_step", motion.rest_step.to_string()),
             ("principal_axes", motion.principal_axes.to_string()),
-            ("segments", self.segments.most.to_string()),
-            ("segment_worth", self.segments.worth.to_string()),
+            ("segments", self.segments.to_string()),
+            ("size_worth", self.size_worth.to_string()),
             ("rays_per_frame", self.rays_per_frame.to_string()),
         ] {
             add(name, value);

@@ -11,7 +11,7 @@ use crate::{
     trace::{binary_trees::pass_cluster, context::ClusterContext},
     wide::{FuzzyRay, WideNode, WideRay, WideStack},
 };
-use restpose_formats::TreeKind;
+use restpose_formats::{TreeKind, rows::NONE};
 
 impl<'a> Flight<'a> {
     /// The ray, ready for a tree in world space.
@@ -137,6 +137,10 @@ impl<'a> Flight<'a> {
             posed: LatticeRay::within(&follows, rest.origin, [rest.step; 3], MOST_STEPS),
             motions: &posed.movers,
             movers: model.node_movers,
+            keys: match state.cache {
+                NONE => None,
+                cache => self.actor().prepared.caches()[cache as usize].key_boxes(model, row),
+            },
         };
         self.fuzzy = Some((asset.wide_nodes(state.row), ray));
         self.tree = Tree::Fuzzy;

@@ -62,6 +62,7 @@ pub(super) enum Next {
     /// By its place in the instance.
     EnterCluster(u32),
     FindCorners(u32),
+    FindStored(u32),
     TestTriangle(u32),
 }
 
@@ -151,7 +152,21 @@ impl<'a> Flight<'a> {
             }
             Next::FindCorners(triangle) => {
                 let actor = self.actor();
-                actor.prepared.prefetch_corners(actor.asset.model(), triangle);
+                actor
+                    .prepared
+                    .prefetch_corners(actor.asset.model(), self.cache, triangle);
+                self.next = if self.cache == NONE || self.is_whole {
+                    Next::TestTriangle(triangle)
+                } else {
+                    Next::FindStored(triangle)
+                };
+                return true;
+            }
+            Next::FindStored(triangle) => {
+                let actor = self.actor();
+                actor
+                    .prepared
+                    .prefetch_stored(actor.asset.model(), self.cache, triangle);
                 self.next = Next::TestTriangle(triangle);
                 return true;
             }

@@ -38,6 +38,24 @@ impl FuzzyBox {
         }
     }
 
+    /// The least corner.
+    pub(crate) fn min(&self) -> [f64; 3] {
+        self.min
+    }
+
+    /// The greatest corner.
+    pub(crate) fn max(&self) -> [f64; 3] {
+        self.max
+    }
+
+    /// The same, further by so much on both sides of each axis.
+    pub(crate) fn widened(&self, by: [f64; 3]) -> Self {
+        Self {
+            min: std::array::from_fn(|k| self.min[k] - by[k]),
+            max: std::array::from_fn(|k| self.max[k] + by[k]),
+        }
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.min[0] > self.max[0]
     }

@@ -133,6 +133,16 @@ impl KeyTrack {
         }
         out
     }
+
+    /// Bounds, per axis, how far a fuzzy position is from the straight line between those at a key and the next, at any time
+    /// between them: s(1 − s)·|N|·|p′ − p| is at most a quarter. Nothing where the interval is cut.
+    pub(crate) fn bulge(&self, key: usize, from: &[f64; 3], to: &[f64; 3]) -> [f64; 3] {
+        let Some(Some(bend)) = self.bends.get(key) else {
+            return [0.0; 3];
+        };
+        let step: [f64; 3] = std::array::from_fn(|k| (to[k] - from[k]).abs());
+        bend.map(|row| 0.25 * (row[0] * step[0] + row[1] * step[1] + row[2] * step[2]))
+    }
 }
 
 /// How far s·step + s(1 − s)·bent leaves [0, step] on either side, for s in [0, 1].

@@ -1,8 +1,10 @@
-//! Parts that a vertex cache moves: clusters, tracks, stored positions, fuzzy boxes between keys, time segments, trees.
+//! Parts that a vertex cache moves: clusters, tracks, stored positions, fuzzy boxes between keys, time segments, trees,
+//! boxes of their nodes at keys.
 //!
 //! Decomposing the motion itself is `motion::keyframed`; here its clusters become what a file holds.
 
 mod homes;
+mod key_boxes;
 mod key_track;
 mod part;
 mod report;

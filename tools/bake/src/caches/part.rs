@@ -75,6 +75,7 @@ fn add_cache(
     let output = SegmentOutput {
         position_error: budget,
         tree: settings.tree,
+        size_worth: settings.size_worth,
     };
     let decompose = DecomposeSettings {
         rigid_tolerance: budget,
@@ -85,7 +86,7 @@ fn add_cache(
     let (one_cost, one_bytes) = (whole.cost, whole.byte_count());
     let segments = match class.asked {
         Some(MotionClass::Free) => vec![whole],
-        _ => split_in_time(&keys, whole, &settings.segments, &decompose, output, progress)?,
+        _ => split_in_time(&keys, whole, settings.segments, &decompose, output, progress)?,
     };
     let (fuzzy, rebuilt) = (fuzzy_trees(&segments), rebuilt_cost(&keys));
     let costs = StructureCost::new(&fuzzy, rebuilt, triangles.len());

@@ -120,6 +120,10 @@ pub struct SegmentReport {
     pub rest_key: u64,
     /// Key intervals of all clusters through which no tree is used, because the cluster turns over or collapses.
     pub cut_intervals: u64,
+    /// Clusters whose nodes have boxes at keys.
+    pub clusters_with_key_boxes: u64,
+    /// Bytes of these boxes.
+    pub key_box_bytes: u64,
     /// Sum of the surface areas of its fuzzy boxes, square scene units.
     pub fuzzy_box_area: f64,
     /// Expected steps of a ray that meets the part.
@@ -138,12 +142,15 @@ impl SegmentReport {
                 .filter(|key| cluster.track.is_cut(*key))
                 .count() as u64
         };
+        let boxes = || segment.clusters.iter().map(|cluster| &cluster.key_boxes);
         Self {
             key_first: *keys.start() as u64,
             key_last: *keys.end() as u64,
             clusters: segment.clusters.len() as u64,
             rest_key: segment.rest_key as u64,
             cut_intervals: segment.clusters.iter().map(cut).sum(),
+            clusters_with_key_boxes: boxes().filter(|boxes| boxes.interval > 0).count() as u64,
+            key_box_bytes: boxes().map(|boxes| size_of_val(&boxes.rows[..]) as u64).sum(),
             fuzzy_box_area: segment.fuzzy_box_area(),
             expected_cost: segment.cost,
             bytes: segment.byte_count(),

@@ -11,7 +11,9 @@ const OWN_SPACE: TrackRow = TrackRow {
     key_first: NONE,
     origin: [0.0; 3],
     step: 1.0,
-    reserved: [0; 3],
+    box_first: 0,
+    box_interval: 0,
+    reserved: 0,
 };
 
 /// A cache whose part is in coherent motion. `triangles` are the triangle rows that the segments' numbers stand for.
@@ -51,8 +53,11 @@ fn add_segment(model: &mut Model, cache: usize, segment: &Segment, triangles: &[
             step: Some(segment.stored.steps[index as usize])
                 .filter(|step| *step > 0.0)
                 .unwrap_or(1.0),
-            reserved: [0; 3],
+            box_first: row_count("boxes at keys", model.key_boxes.len())?,
+            box_interval: cluster.key_boxes.interval,
+            reserved: 0,
         });
+        model.key_boxes.extend_from_slice(&cluster.key_boxes.rows);
         for (key, (map, bounds)) in cluster.track.maps().iter().zip(&cluster.key_bounds).enumerate() {
             model.keys.push(KeyRow {
                 map: bytemuck::cast(map.columns),

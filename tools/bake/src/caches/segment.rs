@@ -1,5 +1,6 @@
 use super::{
     homes::homes,
+    key_boxes::{KeyBoxes, KeyedCluster},
     key_track::KeyTrack,
     stored_positions::{Home, StoredPositions},
 };
@@ -42,6 +43,8 @@ pub(crate) struct SegmentOutput {
     pub position_error: f64,
     /// What its trees are.
     pub tree: TreeKind,
+    /// [`BakeSettings::size_worth`](crate::BakeSettings::size_worth).
+    pub size_worth: f64,
 }
 
 /// What a segment's clusters, tracks, positions and trees are.
@@ -73,6 +76,8 @@ pub(crate) struct SegmentCluster {
     pub key_bounds: Vec<Aabb>,
     /// Per vertex of its triangles in order, none twice.
     pub vertices: Vec<u32>,
+    /// Boxes of its tree's nodes at keys, and its expected cost.
+    pub key_boxes: KeyBoxes,
 }
 
 impl Segment {
@@ -196,21 +201,57 @@ impl Segment {
                 tree,
                 key_bounds: bounded.key_bounds,
                 vertices: bounded.vertices,
+                key_boxes: KeyBoxes::default(),
             })
             .collect();
-        let entered = clusters
-            .iter()
-            .map(|cluster| (&cluster.tree, cluster.key_bounds.as_slice()));
-        let cost = expected_cost(entered);
-        Ok(Self {
+        let mut out = Self {
             rest_key,
             residual,
             keys,
             clusters,
             stored,
-            cost,
+            cost: 0.0,
             report,
-        })
+        };
+        out.add_key_boxes(part, output.size_worth);
+        let entered = out.clusters.iter();
+        out.cost = expected_cost(entered.map(|cluster| (cluster.key_boxes.cost, cluster.key_bounds.as_slice())));
+        Ok(out)
+    }
+
+    /// Gives the nodes of clusters boxes at keys where these pay, and all clusters their expected costs.
+    fn add_key_boxes(&mut self, part: &PartKeys, worth: f64) {
+        let key_count = self.keys.end() - self.keys.start() + 1;
+        let bytes = self.byte_count() as f64 / part.triangles.len() as f64;
+        let tracks: Vec<&KeyTrack> = self.clusters.iter().map(|cluster| &cluster.track).collect();
+        let chosen = |cluster: &SegmentCluster| {
+            let cost = cluster.tree.cost();
+            match &cluster.tree {
+                FuzzyTree::Wide(tree, _) if cluster.kind == TrackKind::Coherent && key_count > 1 => {
+                    let triangles = cluster.triangles.iter();
+                    let triangles: Vec<_> = triangles.map(|place| part.triangles[*place as usize]).collect();
+                    let track = &cluster.track;
+                    let keyed = KeyedCluster {
+                        tree,
+                        track,
+                        key_count,
+                        triangles: &triangles,
+                        local: |vertex: u32, key| track.local(key, self.stored.position(&tracks, vertex as usize, key)),
+                        error: track.error(self.stored.reach),
+                    };
+                    keyed.chosen(cost, bytes * triangles.len() as f64, worth)
+                }
+                // What does not move in its cluster has tight boxes.
+                _ => KeyBoxes {
+                    cost,
+                    ..KeyBoxes::default()
+                },
+            }
+        };
+        let chosen: Vec<KeyBoxes> = self.clusters.par_iter().map(chosen).collect();
+        for (cluster, boxes) in self.clusters.iter_mut().zip(chosen) {
+            cluster.key_boxes = boxes;
+        }
     }
 
     /// Sum of the surface areas of all fuzzy boxes, square scene units.
@@ -227,7 +268,10 @@ impl Segment {
         let trees: usize = self
             .clusters
             .iter()
-            .map(|cluster| cluster.tree.byte_count() + size_of::<ClusterBoneRow>())
+            .map(|cluster| {
+                let boxes = size_of_val(&cluster.key_boxes.rows[..]);
+                cluster.tree.byte_count() + boxes + size_of::<ClusterBoneRow>()
+            })
             .sum();
         let positions = self.stored.words.len() * size_of::<u32>() + self.stored.rows.len() * size_of::<KeyVertexRow>();
         (size_of::<SegmentRow>() + self.clusters.len() * per_cluster + trees + positions) as u64

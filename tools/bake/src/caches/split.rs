@@ -2,7 +2,7 @@ use super::{
     key_track::KeyTrack,
     segment::{PartKeys, Segment, SegmentOutput},
 };
-use crate::{BakeError, Progress, SegmentSettings, bounds::FuzzyBox, motion::keyframed::DecomposeSettings};
+use crate::{BakeError, Progress, bounds::FuzzyBox, motion::keyframed::DecomposeSettings};
 use rayon::prelude::*;
 
 /// Places at which a segment is tried to be split, evenly spaced: enough to find where the motion changes.
@@ -10,16 +10,19 @@ const TRIED_PLACES: usize = 31;
 
 /// Splits `whole` in time while that pays: each step takes the segment that costs most over its keys, splits it where the
 /// boxes of both sides are smallest together, and keeps the split if the part of the cost that it saves is at least
-/// [`SegmentSettings::worth`] times the part of bytes that it adds. Until then all segments have the clusters of `whole`;
+/// [`SegmentOutput::size_worth`] times the part of bytes that it adds. Until then all segments have the clusters of `whole`;
 /// at last each gets clusters of its own, which is where most is gained (CHICKEN in 8 segments, primary rays: 5.8
 /// triangle tests per ray with the clusters of the whole, 1.7 with its own), but takes as long as decomposing the whole.
+///
+/// Where nodes have boxes at keys, to split saves next to nothing: none of COW, HORSE and CHICKEN is split even where bytes are
+/// worth nothing.
 ///
 /// Günther wished for clustering in time as well as in space for animations like his CHICKEN (§3.6 of the dissertation);
 /// this is ours.
 pub(super) fn split_in_time(
     part: &PartKeys,
     whole: Segment,
-    segments: &SegmentSettings,
+    most: usize,
     decompose: &DecomposeSettings,
     output: SegmentOutput,
     progress: &dyn Progress,
@@ -27,7 +30,7 @@ pub(super) fn split_in_time(
     let intervals = |segment: &Segment| (segment.keys.end() - segment.keys.start()) as f64;
     let weighted_cost = |segment: &Segment| segment.cost * intervals(segment);
     let mut open = vec![(whole, true)];
-    while open.len() < segments.most {
+    while open.len() < most {
         let candidates = open.iter().enumerate().filter(|(_, (_, may_split))| *may_split);
         let worst = candidates.max_by(|(_, (a, _)), (_, (b, _))| weighted_cost(a).total_cmp(&weighted_cost(b)));
         let Some((place, (segment, _))) = worst else {
@@ -44,7 +47,7 @@ pub(super) fn split_in_time(
         let all_bytes: u64 = open.iter().map(|(segment, _)| segment.byte_count()).sum();
         let saved = weighted_cost(segment) - weighted_cost(&left) - weighted_cost(&right);
         let added = (left.byte_count() + right.byte_count()) as f64 - segment.byte_count() as f64;
-        if saved / all_cost > 0.0 && saved / all_cost >= segments.worth * added / all_bytes as f64 {
+        if saved / all_cost > 0.0 && saved / all_cost >= output.size_worth * added / all_bytes as f64 {
             open[place] = (left, true);
             open.insert(place + 1, (right, true));
         } else {

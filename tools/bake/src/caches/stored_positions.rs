@@ -88,11 +88,16 @@ impl StoredPositions {
     }
 
     /// A vertex's stored position at a key in the cache's space, in `f64` from the numbers that the runtime uses.
-    pub(crate) fn position(&self, tracks: &[KeyTrack], vertex: usize, key: usize) -> [f64; 3] {
+    pub(crate) fn position<T: std::borrow::Borrow<KeyTrack>>(
+        &self,
+        tracks: &[T],
+        vertex: usize,
+        key: usize,
+    ) -> [f64; 3] {
         let row = &self.rows[vertex];
         let stored = stored(row, &self.words, key);
         match tracks.get(row.track as usize) {
-            Some(track) => lattice_point(track, key, f64::from(self.steps[row.track as usize]), stored),
+            Some(track) => lattice_point(track.borrow(), key, f64::from(self.steps[row.track as usize]), stored),
             None => stored,
         }
     }

@@ -1,7 +1,7 @@
 use super::{frame_range::frame_range, values};
 use clap::{ArgAction, Args};
 use restpose_bake::{
-    BakeSettings, DecomposeSettings, SegmentSettings,
+    BakeSettings, DecomposeSettings,
     import::{FrameRange, ImportSettings},
 };
 
@@ -55,11 +55,12 @@ pub struct KeyframedArgs {
     #[arg(long, value_name = "ON|OFF", default_value = on_or_off(motion().principal_axes), value_parser = values::switch, action = ArgAction::Set)]
     pub principal_axes: bool,
     /// Most time segments of a part, each with its own clusters and trees, 1 to 65536
-    #[arg(long, value_name = "N", default_value_t = SegmentSettings::default().most, value_parser = |text: &str| values::count(text, 65_536))]
+    #[arg(long, value_name = "N", default_value_t = BakeSettings::default().segments, value_parser = |text: &str| values::count(text, 65_536))]
     pub segments: usize,
-    /// Split where the saved fraction of the expected cost is at least this times the added fraction of bytes, 0 or more
-    #[arg(long, value_name = "FACTOR", default_value_t = SegmentSettings::default().worth, value_parser = |text: &str| values::number_from(text, 0.0, f64::MAX))]
-    pub segment_worth: f64,
+    /// Keep more time segments, and boxes at more keys, where the saved fraction of the expected cost is at least this times
+    /// the added fraction of bytes, 0 or more
+    #[arg(long, value_name = "FACTOR", default_value_t = BakeSettings::default().size_worth, value_parser = |text: &str| values::number_from(text, 0.0, f64::MAX))]
+    pub size_worth: f64,
     /// Rays of a frame that meet the part, 0 or more: where posing all of it and building a tree in every frame is expected
     /// to take less time than fuzzy trees, on one thread, motion is free; 0: only where --class says so
     #[arg(long, value_name = "N", default_value_t = BakeSettings::default().rays_per_frame, value_parser = |text: &str| values::number_from(text, 0.0, f64::MAX))]
@@ -80,10 +81,8 @@ impl KeyframedArgs {
                 principal_axes: self.principal_axes,
                 ..DecomposeSettings::default()
             },
-            segments: SegmentSettings {
-                most: self.segments,
-                worth: self.segment_worth,
-            },
+            segments: self.segments,
+            size_worth: self.size_worth,
             rays_per_frame: self.rays_per_frame,
             ..BakeSettings::default()
         }

@@ -39,6 +39,8 @@ fn segment(segment: &SegmentReport) -> String {
         clusters,
         rest_key,
         cut_intervals,
+        clusters_with_key_boxes,
+        key_box_bytes,
         decomposition,
         ..
     } = segment;
@@ -56,6 +58,11 @@ fn segment(segment: &SegmentReport) -> String {
     }
     if decomposition.turned_clusters > 0 {
         words.push(format!("on principal axes {}", decomposition.turned_clusters));
+    }
+    if *key_box_bytes > 0 {
+        words.push(format!(
+            "with boxes at keys {clusters_with_key_boxes}, {key_box_bytes} bytes"
+        ));
     }
     if *cut_intervals > 0 {
         words.push(format!("intervals without a tree {cut_intervals}"));

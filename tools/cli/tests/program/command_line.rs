@@ -93,7 +93,7 @@ const USAGE: [Case; 33] = [
         "expected a whole number from 1 to 65536",
     ),
     (
-        &["bake", "door.gltf", "-o", "new.rpose", "--segment-worth=inf"],
+        &["bake", "door.gltf", "-o", "new.rpose", "--size-worth=inf"],
         1,
         "expected a finite number, 0 or more",
     ),

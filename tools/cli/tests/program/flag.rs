@@ -81,7 +81,7 @@ pub const SEGMENTED: [&str; 8] = [
     "2",
     "--segments",
     "2",
-    "--segment-worth",
+    "--size-worth",
     "0",
 ];
 

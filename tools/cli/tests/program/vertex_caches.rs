@@ -126,7 +126,7 @@ fn if_changed_looks_at_every_file_and_option() {
         &["--rest-step", "2"],
         &["--principal-axes", "off"],
         &["--segments", "2"],
-        &["--segment-worth", "3"],
+        &["--size-worth", "3"],
         &["--rays-per-frame", "5"],
     ];
     assert!(!unchanged(&[]));

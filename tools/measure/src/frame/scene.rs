@@ -71,16 +71,24 @@ impl FrameScene {
     /// # Errors
     /// [`MeasureError`]: the source does not bake.
     pub fn bake(&mut self, settings: &FrameSettings, progress: &dyn Progress) -> Result<(), MeasureError> {
-        for strategy in STRATEGIES.iter().filter(|strategy| settings.chosen(strategy.name)) {
+        let chosen = || STRATEGIES.iter().filter(|strategy| settings.chosen(strategy.name));
+        let several_trees = TreeKind::ALL
+            .iter()
+            .all(|tree| chosen().any(|strategy| strategy.tree == *tree));
+        for strategy in chosen() {
             let Some(source) = &self.source else { break };
             if self.file(strategy.tree).is_some() {
                 continue;
             }
             let (animation, bake_settings) = &**source;
-            let bake_settings = BakeSettings {
+            let mut bake_settings = BakeSettings {
                 tree: strategy.tree,
                 ..bake_settings.clone()
             };
+            if several_trees {
+                // Clusters are chosen for the trees, and positions are stored by clusters: only as they are do all have the same.
+                bake_settings.position_error = Some(0.0);
+            }
             let start = Instant::now();
             let bytes = write(&bake(animation, &bake_settings, progress)?.model)?;
             self.files.push(Arc::new(File {

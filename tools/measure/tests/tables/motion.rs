@@ -1,9 +1,10 @@
 //! `measure_motion` on a sample, with settings that take no time.
 
 use restpose_bake::{
-    BakeSettings, NoProgress, SegmentSettings,
+    BakeSettings, NoProgress,
     import::{Animation, FrameRange, ImportSettings, import_files},
 };
+use restpose_formats::TreeKind;
 use restpose_measure::{
     MeasureError,
     motion::{MotionReport, MotionSegment, MotionSettings, measure_motion, page},
@@ -37,10 +38,12 @@ fn small() -> MotionSettings {
     }
 }
 
-/// Two segments, and no free motion however much it would pay.
+/// Two segments, which pay where nodes have no boxes at keys, and no free motion however much it would pay.
 fn bake() -> BakeSettings {
     let mut settings = BakeSettings {
-        segments: SegmentSettings { most: 2, worth: 0.0 },
+        tree: TreeKind::Kd,
+        segments: 2,
+        size_worth: 0.0,
         rays_per_frame: 0.0,
         ..BakeSettings::default()
     };
