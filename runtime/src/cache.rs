@@ -217,7 +217,7 @@ impl CacheState {
         let row = &model.key_vertices[vertex.wrapping_add(self.key_vertex_shift) as usize];
         let Some(time) = self.time else { return };
         let first = row.word_first as usize + (u64::from(time.keys[0]) * u64::from(row.record_bits()) / 32) as usize;
-        prefetch(&model.key_words[first..(first + 6).min(model.key_words.len())]);
+        prefetch(&model.key_words[first..(first + 7).min(model.key_words.len())]);
     }
 
     /// What [`CacheState::pose_vertex`] reads; `None` before the first update.

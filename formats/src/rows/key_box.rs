@@ -61,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_so_many_keys_have_boxes_and_the_last_is_never_passed() {
+    fn every_so_many_keys_have_boxes_and_the_last_key_is_reached() {
         let track = |box_interval| TrackRow {
             box_interval,
             ..TrackRow::default()

@@ -17,7 +17,8 @@ pub(crate) struct LatticeRay {
 }
 
 impl LatticeRay {
-    /// `steps` are those of [`restpose_formats::rows::box_steps`]. Along an axis where a plane's `t` could overflow, or
+    /// `steps` are those of [`restpose_formats::rows::box_steps`]; planes may be a fourteenth of the lattice beyond its ends, as
+    /// those between two keys. Along an axis where a plane's `t` could overflow, or
     /// its rate is so small that rounding is no longer relative to it, boxes restrict nothing.
     #[inline]
     pub(crate) fn new(ray: &SlabRay, bounds: &Aabb, steps: &[f32; 3]) -> Self {

@@ -14,7 +14,7 @@
 //!    greatest `|p|` that a bone moves. Weights sum to exactly one, so `Σ w T Xᵢ° p = T X° q`. A vertex of a cache is
 //!    the same with two maps, those of its track at the keys around the frame, and their weights already in them: E is
 //!    the sum of both `N·P`, P the greatest stored numbers. X° is then the bone's map times the blend of the cluster's
-//!    own track, and q lies in the boxes for every blend (the baker's `key_boxes`).
+//!    own track, and q lies in the boxes for every blend (the baker's `key_track`).
 //! 3. *Inverse.* `L(X q + t − c_w) + c_l = q + R(q)`, and R is evaluated after the fact, so nothing is assumed of how
 //!    the inverse was found.
 //! 4. *Pose.* In a pose outside those that the boxes were made for, q leaves its boxes by at most the pose's excess
@@ -32,8 +32,10 @@
 //!
 //! Boxes of single triangles are on a lattice, and a plane at step q is computed as `q·(step·(1/d)) + ((min − o) ∓
 //! margin)·(1/d)`: nine roundings, relative to `|min − o|` and the side of the box, which is at most twice its extent.
-//! That is within the 4u relative to `|plane − o|` of point 7 and 32u of the extent; where q itself lies between those of two
-//! keys it has eight roundings more, each of 239/223 sides or less, and two of the weight, of 255/223: 22u of the extent.
+//! That is within the 4u relative to `|plane − o|` of point 7 and 32u of the extent. Where q itself lies between those of two
+//! keys, sides are up to 239/223 as long and q has eight roundings more, five of up to 239/223 sides and three of up to
+//! 255/223, with the weight's two: 24u of the extent. What the nine roundings really take is less than half of their 32u, so
+//! 48u hold both.
 //!
 //! Based on: Higham, *Accuracy and Stability of Numerical Algorithms*, §3; Ize, *Robust BVH Ray Traversal*, JCGT 2(2),
 //! 2013. Differs from Ize: he widens `t` of the far planes by 1 + 2γ; here the plane itself moves by an absolute

@@ -326,10 +326,8 @@ impl Prepared {
     /// Asks for what it reads next in a part with a vertex cache, whose [corners](Self::prefetch_corners) are near.
     #[inline]
     pub(crate) fn prefetch_stored(&self, model: &ModelView, cache: u32, triangle: u32) {
-        if self.memo.get().is_none() {
-            for corner in model.triangles[triangle as usize].corners {
-                self.caches[cache as usize].prefetch_stored(model, corner);
-            }
+        for corner in model.triangles[triangle as usize].corners {
+            self.caches[cache as usize].prefetch_stored(model, corner);
         }
     }
 

@@ -1,4 +1,7 @@
 /// Asks for memory that is about to be read or written. Changes nothing but time.
+///
+/// What is not aligned may end in a line that is not asked for: to ask for that too took 2 to 5 % more time (rays through 1.35
+/// million keyframed triangles).
 #[inline]
 pub(crate) fn prefetch<T>(things: &[T]) {
     #[cfg(target_arch = "x86_64")]

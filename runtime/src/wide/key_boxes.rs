@@ -35,7 +35,7 @@ impl<'a> KeyBoxes<'a> {
 
     /// Per axis, the least and the greatest sides of a node's eight boxes in the pose, given those that hold in all poses.
     ///
-    /// Eight roundings, each relative to a side of these at most 239/223 times; with those of the weight what
+    /// Eight roundings, three relative to 255/223 of a side of these and five to 239/223; with those of the weight they are what
     /// [`cluster_frame`](crate::cluster_frame) counts with.
     // No closures: they would not be compiled for the instructions that the function around them is.
     #[inline(always)]

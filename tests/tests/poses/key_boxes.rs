@@ -1,4 +1,4 @@
-//! Boxes at keys hold at every time between them, and no less than a step further in.
+//! Boxes at keys hold at every time between them, and most would not two steps further in.
 
 use restpose_bake::{
     BakeSettings, DecomposeSettings, NoProgress, bake,

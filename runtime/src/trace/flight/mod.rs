@@ -155,7 +155,7 @@ impl<'a> Flight<'a> {
                 actor
                     .prepared
                     .prefetch_corners(actor.asset.model(), self.cache, triangle);
-                self.next = if self.cache == NONE || self.is_whole {
+                self.next = if self.cache == NONE || self.is_whole || actor.prepared.is_remembered() {
                     Next::TestTriangle(triangle)
                 } else {
                     Next::FindStored(triangle)

@@ -1,11 +1,11 @@
-use super::key_track::KeyTrack;
-use crate::{
-    bounds::FuzzyBox,
-    cost::{KEYED_TRAVERSAL_COST, wide_tree},
+use super::{
+    key_box_rows::{Filling, PlaceFrame},
+    key_track::KeyTrack,
 };
+use crate::bounds::FuzzyBox;
 use rayon::prelude::*;
 use restpose_builders::bvh::WideBvh;
-use restpose_formats::rows::{KeyBoxRow, WideChild, WideNodeRow, box_steps};
+use restpose_formats::rows::{KeyBoxRow, WideChild};
 use std::collections::BTreeMap;
 
 /// Boxes of a wide tree's nodes at keys: as tight as a tree's whose boxes were made for one pose.
@@ -23,11 +23,8 @@ pub(crate) struct KeyBoxes {
 /// Every how many keys boxes are tried, from few to many.
 const TRIED_INTERVALS: [u32; 4] = [8, 4, 2, 1];
 
-/// Triangles that one task bounds.
-const TRIANGLES_PER_TASK: usize = 2048;
-
-/// 2⁻⁴⁰: covers the rounding of a coordinate in `f64`, relative to the greatest that it can be; far less than a step.
-const PLACE_ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
+/// Triangles that one task bounds, times the keys.
+const BOXES_PER_TASK: usize = 1 << 17;
 
 /// A cluster's triangles at the keys of its segment, at least two.
 pub(super) struct KeyedCluster<'a, P> {
@@ -44,7 +41,7 @@ pub(super) struct KeyedCluster<'a, P> {
 
 /// The box of what is below a node or in a place at each key, so wide that the one between two contains it at every time
 /// between them.
-type Boxes = Vec<FuzzyBox>;
+pub(super) type Boxes = Vec<FuzzyBox>;
 
 impl<P: Fn(u32, usize) -> [f64; 3] + Sync> KeyedCluster<'_, P> {
     /// Boxes at as many keys as pay: more are taken while they save at least `worth` times as great a part of the cost as they add
@@ -54,7 +51,15 @@ impl<P: Fn(u32, usize) -> [f64; 3] + Sync> KeyedCluster<'_, P> {
             cost,
             ..KeyBoxes::default()
         };
-        for more in self.boxes(&TRIED_INTERVALS) {
+        // Where keys are few, several intervals come to the same.
+        let mut intervals = TRIED_INTERVALS.to_vec();
+        intervals.dedup_by_key(|interval| self.box_keys(*interval));
+        // No more than all of the cost can be saved.
+        let least = self.box_keys(intervals[0]) * self.tree.nodes.len() * size_of::<KeyBoxRow>();
+        if worth * (least as f64 / bytes) >= 1.0 {
+            return best;
+        }
+        for more in self.boxes(&intervals) {
             let size = |boxes: &KeyBoxes| bytes + size_of_val(&boxes.rows[..]) as f64;
             let (saved, added) = (1.0 - more.cost / best.cost, size(&more) / size(&best) - 1.0);
             if saved > 0.0 && saved >= worth * added {
@@ -62,6 +67,11 @@ impl<P: Fn(u32, usize) -> [f64; 3] + Sync> KeyedCluster<'_, P> {
             }
         }
         best
+    }
+
+    /// How many keys have boxes.
+    fn box_keys(&self, interval: u32) -> usize {
+        (self.key_count - 1).div_ceil(interval as usize) + 1
     }
 
     /// Boxes at every so many keys, for each of the intervals.
@@ -81,7 +91,8 @@ impl<P: Fn(u32, usize) -> [f64; 3] + Sync> KeyedCluster<'_, P> {
             });
             below[at] = held.sum::<usize>();
         }
-        let is_task = |node: usize| below[node] <= TRIANGLES_PER_TASK;
+        let fillings = || -> Vec<Filling> { intervals.iter().map(|interval| Filling::new(*interval)).collect() };
+        let is_task = |node: usize| below[node] <= 8.max(BOXES_PER_TASK / self.key_count);
         let mut tasks = Vec::new();
         let mut open = vec![0];
         while let Some(at) = open.pop() {
@@ -97,7 +108,7 @@ impl<P: Fn(u32, usize) -> [f64; 3] + Sync> KeyedCluster<'_, P> {
         let done: Vec<(Boxes, Vec<Filling>)> = tasks
             .par_iter()
             .map(|node| {
-                let mut out = self.fillings(intervals);
+                let mut out = fillings();
                 let vertices = self.vertices_below(*node, &|_| false);
                 let boxes = self.fill(*node, &vertices, &BTreeMap::new(), &mut out);
                 (boxes, out)
@@ -105,7 +116,7 @@ impl<P: Fn(u32, usize) -> [f64; 3] + Sync> KeyedCluster<'_, P> {
             .collect();
         let (boxes, parts): (Vec<_>, Vec<_>) = done.into_iter().unzip();
         let known: BTreeMap<usize, Boxes> = tasks.into_iter().zip(boxes).collect();
-        let mut out = self.fillings(intervals);
+        let mut out = fillings();
         if !is_task(0) {
             let vertices = self.vertices_below(0, &is_task);
             self.fill(0, &vertices, &known, &mut out);
@@ -116,16 +127,6 @@ impl<P: Fn(u32, usize) -> [f64; 3] + Sync> KeyedCluster<'_, P> {
         out.into_iter()
             .map(|filling| filling.finished(self.tree, self.key_count))
             .collect()
-    }
-
-    fn fillings(&self, intervals: &[u32]) -> Vec<Filling> {
-        let filling = |interval: &u32| Filling {
-            interval: *interval as usize,
-            nodes: Vec::new(),
-            rows: Vec::new(),
-            cost: 0.0,
-        };
-        intervals.iter().map(filling).collect()
     }
 
     /// Where the vertices below a node are at all keys, but for those below nodes that are left out.
@@ -215,160 +216,4 @@ impl Vertices {
         let place = self.vertices.partition_point(|other| *other < vertex);
         &self.positions[place * key_count..][..key_count]
     }
-}
-
-/// What coordinates of a [`KeyBoxRow`] are counted in.
-struct PlaceFrame {
-    /// The lattice of the tree.
-    origin: [f64; 3],
-    steps: [f64; 3],
-    error: f64,
-    /// Without area, boxes are compared by lengths.
-    by_length: bool,
-}
-
-impl PlaceFrame {
-    fn new(tree: &WideBvh, error: f64) -> Self {
-        Self {
-            origin: tree.bounds.min.map(f64::from),
-            steps: box_steps(&tree.bounds).map(f64::from),
-            error,
-            by_length: tree.bounds.surface_area() <= 0.0,
-        }
-    }
-
-    fn measure(&self, [x, y, z]: [f64; 3]) -> f64 {
-        if self.by_length {
-            x + y + z
-        } else {
-            2.0 * (x * y + y * z + z * x)
-        }
-    }
-}
-
-/// Rows that are being made, at keys in one interval from each other.
-struct Filling {
-    interval: usize,
-    nodes: Vec<u32>,
-    /// Of each of `nodes`, at all keys that have boxes.
-    rows: Vec<KeyBoxRow>,
-    /// Measure of all places at all those keys, times what it costs to meet one.
-    cost: f64,
-}
-
-impl Filling {
-    /// `places` are boxes at all keys.
-    fn add_node(&mut self, node: usize, row: &WideNodeRow, frame: &PlaceFrame, places: &[Boxes]) {
-        self.nodes.push(node as u32);
-        for (place, (boxes, child)) in places.iter().zip(row.children()).enumerate() {
-            let count = (boxes.len() - 1).div_ceil(self.interval) + 1;
-            let first = (self.nodes.len() - 1) * count;
-            self.rows.resize(first + count, KeyBoxRow::default());
-            let mut sides = vec![[0.0; 3]; count];
-            for k in 0..3 {
-                let (least, greatest) = (f64::from(row.min[k][place]), f64::from(row.max[k][place]));
-                let [min, max] = self.coordinates(boxes, frame, k, [least, greatest]);
-                let rows = self.rows[first..].iter_mut().zip(&mut sides);
-                for ((row, sides), (min, max)) in rows.zip(min.iter().zip(&max)) {
-                    (row.min[k][place], row.max[k][place]) = (*min, *max);
-                    let parts = f64::from(*max) - f64::from(*min);
-                    sides[k] = parts / f64::from(KeyBoxRow::PARTS) * (greatest - least) * frame.steps[k];
-                }
-            }
-            let cost = match child {
-                WideChild::Node(_) => KEYED_TRAVERSAL_COST,
-                WideChild::Leaf(_) | WideChild::Empty => wide_tree().intersection_cost,
-            };
-            self.cost += cost * sides.iter().map(|sides| frame.measure(*sides)).sum::<f64>();
-        }
-    }
-
-    /// Least and greatest coordinates along an axis at the keys that have boxes, in a place that reaches from `least` to
-    /// `greatest` on the lattice.
-    fn coordinates(
-        &self,
-        boxes: &[FuzzyBox],
-        frame: &PlaceFrame,
-        k: usize,
-        [least, greatest]: [f64; 2],
-    ) -> [Vec<u8>; 2] {
-        let [zero, parts] = [KeyBoxRow::ZERO, KeyBoxRow::PARTS].map(f64::from);
-        let part = (greatest - least) / parts;
-        // A place without length has one coordinate.
-        let coordinate = |x: f64| {
-            let q = ((x - frame.origin[k]) / frame.steps[k] - least) / part + zero;
-            if q.is_finite() { q } else { zero }
-        };
-        let slack = PLACE_ROUNDING * f64::from(u16::MAX) / part.max(PLACE_ROUNDING);
-        let below: Vec<f64> = boxes
-            .iter()
-            .map(|own| coordinate(own.min()[k] - frame.error) - slack)
-            .collect();
-        let above: Vec<f64> = boxes
-            .iter()
-            .map(|own| -(coordinate(own.max()[k] + frame.error) + slack))
-            .collect();
-        // The casts saturate.
-        let min = polyline_below(&below, self.interval, zero);
-        let max = polyline_below(&above, self.interval, -(zero + parts));
-        [
-            min.iter().map(|q| q.floor() as u8).collect(),
-            max.iter().map(|q| (-q).ceil() as u8).collect(),
-        ]
-    }
-
-    fn append(&mut self, mut other: Self) {
-        self.nodes.append(&mut other.nodes);
-        self.rows.append(&mut other.rows);
-        self.cost += other.cost;
-    }
-
-    fn finished(self, tree: &WideBvh, key_count: usize) -> KeyBoxes {
-        let count = (key_count - 1).div_ceil(self.interval) + 1;
-        let mut rows = vec![KeyBoxRow::default(); count * tree.nodes.len()];
-        for (node, own) in self.nodes.iter().zip(self.rows.chunks_exact(count)) {
-            rows[*node as usize * count..][..count].copy_from_slice(own);
-        }
-        let frame = PlaceFrame::new(tree, 0.0);
-        let sides = [0, 1, 2].map(|k| f64::from(tree.bounds.max[k]) - f64::from(tree.bounds.min[k]));
-        let share = self.cost / frame.measure(sides) / count as f64;
-        KeyBoxes {
-            interval: self.interval as u32,
-            rows,
-            cost: KEYED_TRAVERSAL_COST + if share.is_finite() { share } else { 0.0 },
-        }
-    }
-}
-
-/// Every `interval`th corner of a polyline that is nowhere above that through all `numbers`, the last corner at the last number or
-/// behind it. Where it would fall [too far](KeyBoxRow::ZERO) below `floor`, above which everything is known to lie, it runs along
-/// the floor.
-fn polyline_below(numbers: &[f64], interval: usize, floor: f64) -> Vec<f64> {
-    let last = numbers.len() - 1;
-    let count = last.div_ceil(interval) + 1;
-    let corners: Vec<f64> = (0..count)
-        .map(|corner| numbers[(corner * interval).min(last)])
-        .collect();
-    let mut out = corners.clone();
-    for (corner, ends) in corners.windows(2).enumerate() {
-        let above = (1..interval).map(|step| {
-            let s = step as f64 / interval as f64;
-            (1.0 - s) * ends[0] + s * ends[1] - numbers[(corner * interval + step).min(last)]
-        });
-        let above = above.fold(0.0, f64::max);
-        out[corner] = out[corner].min(ends[0] - above);
-        out[corner + 1] = out[corner + 1].min(ends[1] - above);
-    }
-    let least = floor - f64::from(KeyBoxRow::ZERO);
-    let too_low: Vec<usize> = (0..count).filter(|corner| out[*corner] < least).collect();
-    for corner in too_low {
-        out[corner] = floor;
-        // From there the next ones may not rise above what they were, nor above the floor.
-        for near in [corner.wrapping_sub(1), corner + 1] {
-            if let Some(near) = out.get_mut(near) {
-                *near = near.min(floor);
-            }
-        }
-    }
-    out
 }

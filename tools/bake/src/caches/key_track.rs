@@ -98,7 +98,8 @@ impl KeyTrack {
         self.inverses[key].map(|row| row[0] * d[0] + row[1] * d[1] + row[2] * d[2])
     }
 
-    /// Bounds how far [`KeyTrack::local`] is from the exact position, for points with |v| ≤ `reach`.
+    /// Bounds how far [`KeyTrack::local`] is from the exact position, for points with |v| ≤ `reach`, together with what two such
+    /// errors make of s(1 − s)·|N|·|p′ − p|: half of ‖N‖ as much again.
     pub(crate) fn error(&self, reach: f64) -> f64 {
         self.maps.iter().zip(&self.inverses).fold(0.0, |worst, (map, inverse)| {
             let translation = map.columns[3].iter().fold(0.0f64, |far, x| far.max(f64::from(x.abs())));
@@ -106,7 +107,7 @@ impl KeyTrack {
             let local_reach = scale * (reach + translation);
             let error = 2.0 * residual_norm(inverse, map) * local_reach + F64_ROUNDING * local_reach;
             f64::max(worst, error)
-        })
+        }) * (1.0 + 0.5 * MOST_BEND)
     }
 
     /// Contains a vertex's fuzzy positions at every time of the segment that is not inside a cut interval. `track` has its

@@ -4,6 +4,7 @@
 //! Decomposing the motion itself is `motion::keyframed`; here its clusters become what a file holds.
 
 mod homes;
+mod key_box_rows;
 mod key_boxes;
 mod key_track;
 mod part;

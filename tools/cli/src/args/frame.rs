@@ -26,7 +26,8 @@ pub struct FrameArgs {
     /// Instances on a grid, each at its own phase of the first clip, 1 to 1048576
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = |text: &str| values::count(text, 1 << 20))]
     pub instances: usize,
-    /// Strategy to measure; may be given again; at least one of restpose, whose hits are the others' measure [default: all]
+    /// Strategy to measure; may be given again; at least one of restpose, whose hits are the others' measure. Where some have
+    /// kd-trees and some wide ones, vertex caches are stored exactly, whatever --position-error says [default: all]
     #[arg(long = "strategy", value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(strategy_names()))]
     pub strategies: Vec<String>,
     /// Rays of a frame, each 1 to 16777216; pictures have about as many [default: 1, 10, 100 and so on to 1000000]

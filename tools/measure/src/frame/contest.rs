@@ -174,7 +174,7 @@ impl<'a> Contest<'a> {
                     hits += contestant.hits().map_or(0, |hits| hits.iter().flatten().count());
                 }
                 if sum.rays > 0 {
-                    *counts = Some(FrameCounts::new(&sum, hits, frames, contestant.tree()));
+                    *counts = Some(FrameCounts::new(&sum, hits, frames, contestant.step_bytes()));
                 }
             }
             out.push(counts);

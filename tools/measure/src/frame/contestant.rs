@@ -1,5 +1,4 @@
 use crate::MeasureError;
-use restpose_formats::TreeKind;
 use restpose_runtime::{Hit, Ray, TraceCounters};
 use std::time::Duration;
 
@@ -25,9 +24,9 @@ pub(super) trait Contestant: Send {
         None
     }
 
-    /// What is counted in [`Contestant::counted`]: nodes of such trees.
-    fn tree(&self) -> TreeKind {
-        TreeKind::Kd
+    /// Most bytes that a step reads which is counted in [`Contestant::counted`].
+    fn step_bytes(&self) -> usize {
+        0
     }
 
     /// A frame on one thread that is counted instead of timed; `None` where nothing counts.

@@ -4,7 +4,10 @@ use super::{
     scene::File,
 };
 use crate::MeasureError;
-use restpose_formats::TreeKind;
+use restpose_formats::{
+    ModelView, TreeKind,
+    rows::{KdNodeRow, KeyBoxRow, WideNodeRow},
+};
 use restpose_runtime::{Hit, InstanceId, Posing, Ray, Scene, TraceCounters};
 use std::{
     sync::Arc,
@@ -42,7 +45,7 @@ pub(super) struct Ours {
     crowd: Arc<Crowd>,
     scene: Scene,
     instances: Vec<InstanceId>,
-    tree: TreeKind,
+    step_bytes: usize,
     rays: Vec<Ray>,
     hits: Vec<Option<Hit>>,
 }
@@ -57,10 +60,19 @@ impl Ours {
             crowd: Arc::clone(crowd),
             scene,
             instances,
-            tree: strategy.tree,
+            step_bytes: step_bytes(file.asset.model()),
             rays: Vec::new(),
             hits: Vec::new(),
         })
+    }
+}
+
+/// A node, and where nodes have boxes at keys, those of two keys.
+fn step_bytes(model: &ModelView) -> usize {
+    match model.meta.tree {
+        TreeKind::Kd => size_of::<KdNodeRow>(),
+        TreeKind::Wide if model.key_boxes.is_empty() => size_of::<WideNodeRow>(),
+        TreeKind::Wide => size_of::<WideNodeRow>() + 2 * size_of::<KeyBoxRow>(),
     }
 }
 
@@ -91,8 +103,8 @@ impl Contestant for Ours {
         Some(&self.hits)
     }
 
-    fn tree(&self) -> TreeKind {
-        self.tree
+    fn step_bytes(&self) -> usize {
+        self.step_bytes
     }
 
     fn counted(&mut self, pose: usize) -> Result<Option<TraceCounters>, MeasureError> {

@@ -1,8 +1,5 @@
 use super::{Crossover, FrameSettings, Glance};
-use restpose_formats::{
-    TreeKind,
-    rows::{KdNodeRow, ReferenceBoxRow, TriangleRow, WideNodeRow},
-};
+use restpose_formats::rows::{ReferenceBoxRow, TriangleRow};
 use restpose_runtime::TraceCounters;
 use serde::Serialize;
 
@@ -83,13 +80,9 @@ pub struct FrameCounts {
 const VERTEX_BYTES: usize = 16;
 
 impl FrameCounts {
-    pub(super) fn new(sum: &TraceCounters, hits: usize, frames: usize, tree: TreeKind) -> Self {
+    pub(super) fn new(sum: &TraceCounters, hits: usize, frames: usize, step_bytes: usize) -> Self {
         let per_frame = |count: u64| count as f64 / frames as f64;
-        let node_bytes = match tree {
-            TreeKind::Kd => size_of::<KdNodeRow>(),
-            TreeKind::Wide => size_of::<WideNodeRow>(),
-        };
-        let bytes = sum.steps * node_bytes as u64
+        let bytes = sum.steps * step_bytes as u64
             + sum.box_tests * (size_of::<u32>() + size_of::<ReferenceBoxRow>()) as u64
             + sum.triangle_tests * (size_of::<TriangleRow>() + 3 * VERTEX_BYTES) as u64;
         Self {
