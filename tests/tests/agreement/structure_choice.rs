@@ -22,11 +22,10 @@ fn animation(scene: &str, step: usize) -> Animation {
 const NO_KEY_BOXES: f64 = 1e9;
 
 /// The class of the first part, and what its frame is expected to take.
-fn choice(animation: &Animation, rays_per_frame: f64) -> (MotionClass, ExpectedFrame) {
+fn choice(animation: &Animation, rays_per_frame: f64, size_worth: f64) -> (MotionClass, ExpectedFrame) {
     let settings = BakeSettings {
         rays_per_frame,
-        // With boxes at keys fuzzy trees are the faster for any number.
-        size_worth: NO_KEY_BOXES,
+        size_worth,
         ..BakeSettings::default()
     };
     let report = bake(animation, &settings, &NoProgress).unwrap().report;
@@ -35,6 +34,33 @@ fn choice(animation: &Animation, rays_per_frame: f64) -> (MotionClass, ExpectedF
     assert_eq!(expected.rays, rays_per_frame);
     assert!(part.reason.ends_with(&expected.to_string()), "{}", part.reason);
     (part.class, expected)
+}
+
+/// With boxes at keys no more is expected of a frame than without, and few rays are the less a reason to build a tree.
+#[test]
+fn boxes_at_keys_are_expected_to_save_time_and_the_choice_agrees() {
+    let size_worth = BakeSettings::default().size_worth;
+    for (scene, step) in [("goose", 6), ("shatter", 3)] {
+        let animation = animation(scene, step);
+        for rays in [100.0, 1_000.0, 100_000.0, f64::MAX] {
+            let (class, frame) = choice(&animation, rays, size_worth);
+            let (_, without) = choice(&animation, rays, NO_KEY_BOXES);
+            assert!(
+                frame.fuzzy_ms <= without.fuzzy_ms,
+                "{scene}: {frame}; without: {without}"
+            );
+            let free = class == MotionClass::Free;
+            assert!(
+                if free {
+                    frame.rebuilt_ms <= frame.fuzzy_ms
+                } else {
+                    frame.fuzzy_ms <= frame.rebuilt_ms
+                },
+                "{frame}"
+            );
+            assert!(rays > 1_000.0 || !free, "{scene} at {rays} rays: {frame}");
+        }
+    }
 }
 
 /// A goose like jelly moves in one piece, a vase bursts into shards: by turns of thousands of rays and more.
@@ -49,7 +75,7 @@ fn few_rays_keep_motion_keyframed_and_many_set_it_free() {
             (most, MotionClass::Free),
             (f64::MAX, MotionClass::Free),
         ] {
-            let (class, frame) = choice(&animation, rays);
+            let (class, frame) = choice(&animation, rays, NO_KEY_BOXES);
             assert_eq!(class, expected, "{scene} at {rays} rays: {frame}");
             assert!(frame.fuzzy_ms.is_finite() && frame.rebuilt_ms.is_finite());
             let free = class == MotionClass::Free;

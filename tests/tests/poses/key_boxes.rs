@@ -18,6 +18,7 @@ use std::collections::BTreeSet;
 fn baked(animation: &Animation, size_worth: f64) -> Model {
     let settings = BakeSettings {
         size_worth,
+        segments: 3,
         rays_per_frame: 0.0,
         motion: DecomposeSettings {
             max_clusters: 3,
@@ -92,7 +93,7 @@ fn passed(model: &ModelView, keys: usize, times: &[f32]) -> (BTreeSet<(u32, Pass
 
 #[test]
 fn what_is_below_a_box_is_in_it_at_every_time() {
-    let mut looked = 0;
+    let (mut looked, mut in_segments) = (0, 0);
     for seed in 0..12 {
         for (motion, frames) in Motion::ALL.chunks(1).zip([7, 10, 5, 12].iter().cycle()) {
             for size_worth in [0.0, 0.3, 1.0] {
@@ -103,10 +104,16 @@ fn what_is_below_a_box_is_in_it_at_every_time() {
                     "seed {seed}, {motion:?}, worth {size_worth}: {sides:?}"
                 );
                 looked += found[0];
+                if model.segments.len() > 1 {
+                    in_segments += found[0];
+                }
             }
         }
     }
-    assert!(looked > 300, "{looked}");
+    assert!(
+        looked > 300 && in_segments > 30,
+        "{looked}, {in_segments} of them in one of several segments"
+    );
 }
 
 /// Smooth motion, where the way between two of these boxes passes keys.
