@@ -59,7 +59,7 @@ impl<P: Fn(u32, usize) -> [f64; 3] + Sync> KeyedCluster<'_, P> {
         if worth * (least as f64 / bytes) >= 1.0 {
             return best;
         }
-        for more in self.boxes(&intervals) {
+        for more in self.boxes(&intervals, BOXES_PER_TASK) {
             let size = |boxes: &KeyBoxes| bytes + size_of_val(&boxes.rows[..]) as f64;
             let (saved, added) = (1.0 - more.cost / best.cost, size(&more) / size(&best) - 1.0);
             if saved > 0.0 && saved >= worth * added {
@@ -77,7 +77,7 @@ impl<P: Fn(u32, usize) -> [f64; 3] + Sync> KeyedCluster<'_, P> {
     /// Boxes at every so many keys, for each of the intervals.
     ///
     /// Linear in nodes and keys. The same on any number of threads.
-    fn boxes(&self, intervals: &[u32]) -> Vec<KeyBoxes> {
+    fn boxes(&self, intervals: &[u32], boxes_per_task: usize) -> Vec<KeyBoxes> {
         let nodes = &self.tree.nodes;
         if nodes.is_empty() {
             return Vec::new();
@@ -92,7 +92,7 @@ impl<P: Fn(u32, usize) -> [f64; 3] + Sync> KeyedCluster<'_, P> {
             below[at] = held.sum::<usize>();
         }
         let fillings = || -> Vec<Filling> { intervals.iter().map(|interval| Filling::new(*interval)).collect() };
-        let is_task = |node: usize| below[node] <= 8.max(BOXES_PER_TASK / self.key_count);
+        let is_task = |node: usize| below[node] <= 8.max(boxes_per_task / self.key_count);
         let mut tasks = Vec::new();
         let mut open = vec![0];
         while let Some(at) = open.pop() {
@@ -215,5 +215,58 @@ impl Vertices {
     fn at_keys(&self, vertex: u32, key_count: usize) -> &[[f64; 3]] {
         let place = self.vertices.partition_point(|other| *other < vertex);
         &self.positions[place * key_count..][..key_count]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use restpose_builders::bvh::WideBuilder;
+    use restpose_formats::geom::{Aabb, Affine};
+    use restpose_runtime::build::CheckedBoxes;
+
+    /// Tasks end anywhere in the tree: above them leaves and nodes of others stand side by side.
+    #[test]
+    fn rows_do_not_depend_on_how_the_tree_is_divided() {
+        const KEYS: usize = 9;
+        let mut random = fastrand::Rng::with_seed(4);
+        let mut point = |size: f64| -> [f64; 3] { std::array::from_fn(|_| size * random.f64()) };
+        let rest: Vec<[f64; 3]> = (0..700).map(|_| point(100.0)).collect();
+        let moved: Vec<Vec<[f64; 3]>> = rest
+            .iter()
+            .map(|p| {
+                (0..KEYS)
+                    .map(|_| point(2.0))
+                    .map(|d| std::array::from_fn(|k| p[k] + d[k]))
+                    .collect()
+            })
+            .collect();
+        let triangles: Vec<[u32; 3]> = (0..698).map(|first| [first, first + 1, first + 2]).collect();
+        let around = |triangle: &[u32; 3]| {
+            let corners = triangle.iter().flat_map(|vertex| &moved[*vertex as usize]);
+            Aabb::around(corners.map(|p| p.map(|x| x as f32)))
+        };
+        let boxes: Vec<Aabb> = triangles.iter().map(around).collect();
+        let mut tree = WideBvh::default();
+        let checked = CheckedBoxes::new(&boxes).expect("finite boxes");
+        WideBuilder::default().build(checked, &mut tree).expect("few boxes");
+        let cluster = KeyedCluster {
+            tree: &tree,
+            track: &KeyTrack::new(&[Affine::IDENTITY; KEYS]),
+            key_count: KEYS,
+            triangles: &triangles,
+            local: |vertex: u32, key: usize| moved[vertex as usize][key],
+            error: 0.0,
+        };
+        let whole = cluster.boxes(&[1, 4], usize::MAX);
+        for tasks in [0, 20 * KEYS, 300 * KEYS] {
+            for (divided, whole) in cluster.boxes(&[1, 4], tasks).iter().zip(&whole) {
+                assert!(divided.rows == whole.rows, "{tasks}");
+                // Sums of the same numbers in another order.
+                assert!((divided.cost / whole.cost - 1.0).abs() < 1e-9, "{tasks}");
+            }
+        }
+        let used = whole[0].rows.iter().filter(|row| **row != KeyBoxRow::default()).count();
+        assert!(used == whole[0].rows.len() && used > 9 * 90, "{used}");
     }
 }
