@@ -7,7 +7,7 @@ use crate::{
     Aabb, Affine, Asset,
     cluster_frame::{Map64, PosedMap, world_box},
     simd::{Doubles, Lanes, Portable, prefetch},
-    vertex::moved,
+    vertex::{moved, transform},
     wide::KeyBoxes,
 };
 use restpose_formats::{
@@ -85,7 +85,7 @@ impl PosedTrack {
     }
 
     /// World space from the stored numbers of the key before and of the key after.
-    #[inline]
+    #[cfg(test)]
     pub(crate) fn maps(&self) -> [&Affine; 2] {
         self.maps.each_ref().map(|map| &map.map)
     }
@@ -104,6 +104,8 @@ pub(crate) struct CacheState {
     time: Option<CacheTime>,
     /// Key-vertex row minus vertex row, for the cache's vertices; wraps.
     key_vertex_shift: u32,
+    /// Where the words of the key before and of the key after begin.
+    words: [usize; 2],
     track_first: u32,
     tracks: Vec<PosedTrack>,
 }
@@ -116,6 +118,9 @@ impl CacheState {
         let part: &PartRow = &model.parts[cache.part as usize];
         self.time = Some(time);
         self.key_vertex_shift = segment.key_vertex_first.wrapping_sub(part.vertex_first);
+        self.words = time
+            .keys
+            .map(|key| segment.word_first as usize + key as usize * segment.words_per_key as usize);
         self.track_first = segment.track_first;
         self.tracks.clear();
         let tracks = &model.tracks[segment.track_first as usize..][..segment.track_count as usize];
@@ -153,7 +158,7 @@ impl CacheState {
         let passed = (time.keys[0] % track.box_interval) as f32 + time.weight;
         Some(KeyBoxes {
             rows: &model.key_boxes[track.box_first as usize..][..count],
-            key_count,
+            node_count: cluster.node_count,
             keys: [before, (before + 1).min(key_count - 1)],
             weight: passed / track.box_interval as f32,
         })
@@ -189,19 +194,21 @@ impl CacheState {
     }
 
     /// Poses a vertex of the cache's part, by vertex row: each map's image rounded as [`Affine::transform_point`] says,
-    /// then one sum per component, in `f32` without contraction.
-    #[inline]
-    pub(crate) fn pose_vertex(&self, model: &ModelView, vertex: u32) -> [f32; 3] {
-        let Some(time) = self.time else {
-            return [f32::NAN; 3];
-        };
+    /// then one sum per component, in `f32` without contraction. The fourth lane means nothing; NaN before the first update.
+    #[inline(always)]
+    pub(crate) fn pose_vertex<S: Lanes>(&self, simd: S, model: &ModelView, vertex: u32) -> S::F4 {
+        if self.time.is_none() {
+            return simd.splat4(f32::NAN);
+        }
         let row = &model.key_vertices[vertex.wrapping_add(self.key_vertex_shift) as usize];
-        let track = self.track(row.track);
-        let [a, b] = [0, 1].map(|place: usize| {
-            let stored = row.stored(model.key_words, time.keys[place]);
-            track.maps[place].map.transform_point(stored)
-        });
-        std::array::from_fn(|k| a[k] + b[k])
+        let [a, b] = &self.track(row.track).maps;
+        let [p, q] = [
+            row.stored(&model.key_words[self.words[0]..]),
+            row.stored(&model.key_words[self.words[1]..]),
+        ];
+        let a = transform(simd, &a.map, [simd.splat4(p[0]), simd.splat4(p[1]), simd.splat4(p[2])]);
+        let b = transform(simd, &b.map, [simd.splat4(q[0]), simd.splat4(q[1]), simd.splat4(q[2])]);
+        simd.add4(a, b)
     }
 
     /// Asks for what [`CacheState::pose_vertex`] reads first.
@@ -214,33 +221,11 @@ impl CacheState {
     /// Asks for what it reads next, where the first is near.
     #[inline]
     pub(crate) fn prefetch_stored(&self, model: &ModelView, vertex: u32) {
-        let row = &model.key_vertices[vertex.wrapping_add(self.key_vertex_shift) as usize];
-        let Some(time) = self.time else { return };
-        let first = row.word_first as usize + (u64::from(time.keys[0]) * u64::from(row.record_bits()) / 32) as usize;
-        prefetch(&model.key_words[first..(first + 7).min(model.key_words.len())]);
+        let word = model.key_vertices[vertex.wrapping_add(self.key_vertex_shift) as usize].word();
+        for first in self.words {
+            prefetch(&model.key_words[first + word..][..4]);
+        }
     }
-
-    /// What [`CacheState::pose_vertex`] reads; `None` before the first update.
-    pub(crate) fn source(&self) -> Option<CacheSource<'_>> {
-        self.time.map(|time| CacheSource {
-            keys: time.keys,
-            key_vertex_shift: self.key_vertex_shift,
-            track_first: self.track_first,
-            tracks: &self.tracks,
-        })
-    }
-}
-
-/// Where the vertices of a cache come from in this frame.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct CacheSource<'a> {
-    /// The key before and the key after, counted from the segment's first.
-    pub keys: [u32; 2],
-    /// Key-vertex row minus vertex row; wraps.
-    pub key_vertex_shift: u32,
-    /// Row of the first of `tracks`.
-    pub track_first: u32,
-    pub tracks: &'a [PosedTrack],
 }
 
 /// `f32` roundings of [`CacheState::pose_vertex`]: product and sums with a map are four, the last sum is one.

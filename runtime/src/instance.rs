@@ -1,4 +1,4 @@
-use crate::{Aabb, Affine, asset_instance::AssetInstance, geometry_instance::GeometryInstance};
+use crate::{Aabb, Affine, asset_instance::AssetInstance, geometry_instance::GeometryInstance, simd::Portable};
 
 /// What a scene holds.
 #[derive(Debug)]
@@ -38,7 +38,9 @@ impl Instance {
                 let asset = instance.asset();
                 (vertex as usize + 1 < asset.model().vertices.len()).then(|| {
                     let cache = asset.cache_of_vertex(vertex);
-                    instance.prepared().recomputed_vertex(asset.model(), cache, vertex)
+                    instance
+                        .prepared()
+                        .recomputed_vertex(Portable, asset.model(), cache, vertex)
                 })
             }
             Self::Geometry(instance) => instance.posed_vertex(vertex),

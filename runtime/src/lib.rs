@@ -68,6 +68,7 @@ mod map;
 mod motion;
 mod motion_bounds;
 mod mover_maps;
+mod owned_bytes;
 mod pose;
 mod pose_space;
 mod posed_bounds;

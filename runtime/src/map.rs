@@ -4,8 +4,9 @@
     reason = "mapping a file, and a view that lives beside the bytes it borrows"
 )]
 
+use crate::owned_bytes::OwnedBytes;
 use memmap2::Mmap;
-use restpose_formats::{AlignedBytes, FormatError, MAGIC, ModelView, read};
+use restpose_formats::{FormatError, MAGIC, ModelView, read};
 use std::{
     fs::File,
     io::{self, Read},
@@ -15,7 +16,7 @@ use std::{
 /// Bytes that stay where they are and do not change while this lives.
 enum Storage {
     Mapped(Mmap),
-    Owned(AlignedBytes),
+    Owned(OwnedBytes),
 }
 
 impl Storage {
@@ -40,7 +41,7 @@ pub(crate) struct StoredModel {
 impl StoredModel {
     fn new(storage: Storage, read: ReadModel) -> Result<Self, FormatError> {
         let bytes: *const [u8] = storage.bytes();
-        // SAFETY: `bytes` points into `storage`: into a mapping or a heap block, whose addresses do not change when
+        // SAFETY: `bytes` points into `storage`: into mapped pages or a heap block, whose addresses do not change when
         // `storage` moves. `storage` is kept beside the view, is never changed or handed out, and is dropped with it;
         // dropping a view reads nothing through it. `view()` shortens the lifetime to that of `self`, so no borrow
         // outlives the bytes. For a mapping the caller of `map` has promised that nobody changes the file.
@@ -57,7 +58,7 @@ impl StoredModel {
 
     /// Copies `bytes` to aligned memory.
     pub(crate) fn copy(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::new(Storage::Owned(AlignedBytes::copy_of(bytes)), read)
+        Self::new(Storage::Owned(OwnedBytes::copy_of(bytes)), read)
     }
 
     /// Reads a file into aligned memory.
@@ -65,12 +66,12 @@ impl StoredModel {
         let mut file = File::open(path)?;
         let len = usize::try_from(file.metadata()?.len()).map_err(|_| io::ErrorKind::FileTooLarge)?;
         // A file of another kind may be of any size: it is told by its first bytes, before memory is asked for.
-        let mut magic = AlignedBytes::zeroed(len.min(MAGIC.len()));
+        let mut magic = OwnedBytes::try_zeroed(len.min(MAGIC.len()))?;
         file.read_exact(magic.as_mut_slice())?;
         if magic.as_slice() != MAGIC {
             return Ok(Self::new(Storage::Owned(magic), read));
         }
-        let mut bytes = AlignedBytes::try_zeroed(len)?;
+        let mut bytes = OwnedBytes::try_zeroed(len)?;
         let (begin, rest) = bytes.as_mut_slice().split_at_mut(MAGIC.len());
         begin.copy_from_slice(&MAGIC);
         file.read_exact(rest)?;

@@ -7,7 +7,7 @@ use crate::{
     Aabb, Affine, Asset,
     posed_bounds::{IMAGE_ERROR, LARGEST},
     simd::{Lanes, Portable, SimdLevel},
-    whole_pose::columns4,
+    vertex::columns4,
 };
 use restpose_formats::{
     ModelView,

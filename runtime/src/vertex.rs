@@ -1,9 +1,13 @@
 //! The vertex function: the one way in which a vertex of the rest pose becomes a vertex of the current pose.
 
-use crate::cluster_frame::SMALLEST_NORMAL;
-use restpose_formats::{ModelView, geom::Affine, rows::ClusterRow};
+use crate::{cluster_frame::SMALLEST_NORMAL, simd::Lanes};
+use restpose_formats::{
+    ModelView,
+    geom::Affine,
+    rows::{ClusterRow, InfluenceRow},
+};
 
-/// Poses one vertex.
+/// Poses one vertex: its coordinates in three lanes, and a fourth that means nothing.
 ///
 /// Morph first: `p = rest + Σ weight·delta` over the vertex's deltas in row order. Then skin: one influence gives
 /// `X·p`, several give `Σ w·(X·p)` in row order, each product rounded as [`Affine::transform_point`] says. All in `f32`
@@ -11,28 +15,83 @@ use restpose_formats::{ModelView, geom::Affine, rows::ClusterRow};
 ///
 /// `vertex` is a vertex row other than the closing one; `palette` has a map per bone row and `morph_weights` a weight
 /// per morph target row.
-#[inline]
-pub(crate) fn pose_vertex(model: &ModelView, palette: &[Affine], morph_weights: &[f32], vertex: u32) -> [f32; 3] {
-    let vertex = vertex as usize;
+#[inline(always)]
+pub(crate) fn pose_vertex<S: Lanes>(
+    simd: S,
+    model: &ModelView,
+    palette: &[Affine],
+    morph_weights: &[f32],
+    vertex: u32,
+) -> S::F4 {
+    let [row, next] = [0, 1].map(|place| &model.vertices[vertex as usize + place]);
+    let influences = &model.influences[row.influence_first as usize..next.influence_first as usize];
+    let p = if model.morph_first.is_empty() {
+        row.position_rest
+    } else {
+        morph(model, morph_weights, vertex as usize)
+    };
+    skin(simd, palette, influences, p)
+}
+
+fn morph(model: &ModelView, weights: &[f32], vertex: usize) -> [f32; 3] {
     let mut p = model.vertices[vertex].position_rest;
     for delta in model.morph_deltas_of(vertex) {
-        let weight = morph_weights[delta.target as usize];
+        let weight = weights[delta.target as usize];
         for k in 0..3 {
             p[k] += weight * delta.delta[k];
         }
     }
-    let influences = model.influences_of(vertex);
-    if let [only] = influences {
-        return palette[only.bone as usize].transform_point(p);
-    }
-    let mut sum = [0.0; 3];
-    for influence in influences {
-        let moved = palette[influence.bone as usize].transform_point(p);
-        for k in 0..3 {
-            sum[k] += influence.weight * moved[k];
+    p
+}
+
+#[inline(always)]
+fn skin<S: Lanes>(simd: S, palette: &[Affine], influences: &[InfluenceRow], p: [f32; 3]) -> S::F4 {
+    let p = [simd.splat4(p[0]), simd.splat4(p[1]), simd.splat4(p[2])];
+    match influences {
+        [only] => transform(simd, &palette[only.bone as usize], p),
+        // The most common number, without a loop.
+        [a, b, c, d] => {
+            let sum = add_moved(simd, palette, a, p, simd.splat4(0.0));
+            let sum = add_moved(simd, palette, b, p, sum);
+            let sum = add_moved(simd, palette, c, p, sum);
+            add_moved(simd, palette, d, p, sum)
+        }
+        more => {
+            let mut sum = simd.splat4(0.0);
+            for influence in more {
+                sum = add_moved(simd, palette, influence, p, sum);
+            }
+            sum
         }
     }
-    sum
+}
+
+#[inline(always)]
+fn add_moved<S: Lanes>(simd: S, palette: &[Affine], influence: &InfluenceRow, p: [S::F4; 3], sum: S::F4) -> S::F4 {
+    let moved = transform(simd, &palette[influence.bone as usize], p);
+    simd.add4(sum, simd.mul4(simd.splat4(influence.weight), moved))
+}
+
+/// As [`Affine::transform_point`], for a point of three splats.
+#[inline(always)]
+pub(crate) fn transform<S: Lanes>(simd: S, map: &Affine, [x, y, z]: [S::F4; 3]) -> S::F4 {
+    let [c0, c1, c2, c3] = columns4(simd, map);
+    let sum = simd.add4(simd.mul4(c0, x), simd.mul4(c1, y));
+    simd.add4(simd.add4(sum, simd.mul4(c2, z)), c3)
+}
+
+/// The columns of a map, three numbers each, and a fourth that means nothing.
+#[inline(always)]
+pub(crate) fn columns4<S: Lanes>(simd: S, map: &Affine) -> [S::F4; 4] {
+    // Four numbers from the beginning of a column, of which the fourth is the next column's, or up to the end of the last.
+    let numbers: &[f32; 12] = bytemuck::cast_ref(map);
+    let from = |first: usize| numbers[first..].first_chunk::<4>().unwrap_or(&[0.0; 4]);
+    [
+        simd.load4(from(0)),
+        simd.load4(from(3)),
+        simd.load4(from(6)),
+        simd.rotate4(simd.load4(from(8))),
+    ]
 }
 
 /// The rows of a cluster's bones, or tracks, and the greatest magnitudes of the points that each of them moves.

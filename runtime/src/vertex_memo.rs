@@ -27,24 +27,27 @@ impl VertexMemo {
         }
     }
 
-    /// What [`Self::position`] reads and writes.
+    /// What [`Self::position`] reads and [`Self::keep`] writes.
     #[inline]
     pub(crate) fn row(&self, vertex: u32) -> &[AtomicU32; 4] {
         &self.rows[vertex as usize]
     }
 
-    /// A vertex's position in this frame; `pose` tells it where it is not known yet, and always tells the same.
+    /// A vertex's position in this frame, where somebody has posed it.
     #[inline]
-    pub(crate) fn position(&self, vertex: u32, pose: impl FnOnce() -> [f32; 3]) -> [f32; 3] {
+    pub(crate) fn position(&self, vertex: u32) -> Option<[f32; 3]> {
         let [x, y, z, frame] = self.row(vertex);
-        if frame.load(Acquire) == self.frame {
-            return [x, y, z].map(|coordinate| f32::from_bits(coordinate.load(Relaxed)));
-        }
-        let position = pose();
+        (frame.load(Acquire) == self.frame)
+            .then(|| [x, y, z].map(|coordinate| f32::from_bits(coordinate.load(Relaxed))))
+    }
+
+    /// Writes down a vertex's position in this frame. Whoever does so for the same vertex has the same one.
+    #[inline]
+    pub(crate) fn keep(&self, vertex: u32, position: [f32; 3]) {
+        let [x, y, z, frame] = self.row(vertex);
         for (place, coordinate) in [x, y, z].into_iter().zip(position) {
             place.store(coordinate.to_bits(), Relaxed);
         }
         frame.store(self.frame, Release);
-        position
     }
 }

@@ -45,11 +45,10 @@ pub fn passed_sides(
     cluster: &ClusterRow,
     time: SegmentTime,
 ) -> BTreeSet<PassedSide> {
-    let track = &model.tracks[cluster.track as usize];
     let posed = Posed {
         model,
         time,
-        key_vertex_first: segment.key_vertex_first,
+        segment,
         vertex_first: model.parts[cache.part as usize].vertex_first,
     };
     let frame = Frame::new(&posed.blended(cluster.track));
@@ -57,7 +56,6 @@ pub fn passed_sides(
         posed,
         cluster,
         frame,
-        keys: track.box_key_count(segment.key_count),
         points: BTreeMap::new(),
         passed: BTreeSet::new(),
     };
@@ -68,7 +66,7 @@ pub fn passed_sides(
 struct Posed<'a> {
     model: &'a ModelView<'a>,
     time: SegmentTime,
-    key_vertex_first: u32,
+    segment: &'a SegmentRow,
     vertex_first: u32,
 }
 
@@ -95,11 +93,11 @@ impl Posed<'_> {
 
     /// Where a vertex is in the cache's space.
     fn vertex(&self, vertex: u32) -> Point {
-        let row = &self.model.key_vertices[(self.key_vertex_first + vertex - self.vertex_first) as usize];
+        let row = &self.model.key_vertices[(self.segment.key_vertex_first + vertex - self.vertex_first) as usize];
         let track = &self.model.tracks[row.track as usize];
         let at_key = |(key, weight): (u32, Dyadic)| -> Point {
             let [x, y, z, t] = self.map(row.track, key);
-            let stored = exact(row.stored(self.model.key_words, key));
+            let stored = exact(row.stored(self.segment.key_words(self.model.key_words, key)));
             let (origin, step) = (exact(track.origin), Dyadic::from(track.step));
             let local: Point = std::array::from_fn(|k| &origin[k] + &(&step * &stored[k]));
             std::array::from_fn(|k| {
@@ -116,8 +114,6 @@ struct Walk<'a> {
     posed: Posed<'a>,
     cluster: &'a ClusterRow,
     frame: Frame,
-    /// How many keys have boxes.
-    keys: u32,
     /// Fuzzy positions, times the frame's scale.
     points: BTreeMap<u32, Point>,
     passed: BTreeSet<PassedSide>,
@@ -147,7 +143,7 @@ impl Walk<'_> {
         let track = &model.tracks[self.cluster.track as usize];
         let SegmentTime { key, weight } = self.posed.time;
         let (interval, before) = (track.box_interval, key / track.box_interval);
-        let row = |key: u32| &model.key_boxes[(track.box_first + at * self.keys + key) as usize];
+        let row = |key: u32| &model.key_boxes[(track.box_first + key * self.cluster.node_count + at) as usize];
         let rows = [row(before), row(before + 1)];
         // Everything times the interval and what a side is divided into, so that nothing is divided.
         let passed = f64::from(key % interval) + f64::from(weight);

@@ -84,7 +84,6 @@ fn check_keys(view: &ModelView<'_>, at: usize, cache: &CacheRow, segments: Range
     let mut last = 0;
     for at in segments {
         let segment = &view.segments[at];
-        reserved(section, at, "reserved", &[segment.reserved])?;
         let (first, count) = (u64::from(segment.key_first), u64::from(segment.key_count));
         if first != last {
             let (found, expected) = (first, last);

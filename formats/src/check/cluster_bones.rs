@@ -135,7 +135,7 @@ impl<'a> Cover<'a> {
         let (met, own) = &mut self.stored[vertex];
         if *met != segment.at as u32 {
             *met = segment.at as u32;
-            *own = stored.bounds(view.key_words, segment.row.key_count);
+            *own = stored.bounds(segment.keys(view));
         }
         let bounds = &view.cluster_bones[at].bounds;
         let (section, field) = (SectionKind::KeyVertices, "stored numbers");

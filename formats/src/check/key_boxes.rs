@@ -34,30 +34,28 @@ fn check_cluster(
     }
     let count = track.key_box_count(cluster, segment.row.key_count);
     let rows = ranges.take(SectionKind::Tracks, at, "box_first", track.box_first, count)?;
-    let keys = track.box_key_count(segment.row.key_count) as usize;
-    if keys == 0 {
+    if track.box_interval == 0 {
         return Ok(());
     }
     // Beside kd-trees there are no such rows, so these are a wide tree's nodes.
     let nodes = &view.wide_nodes[cluster.node_first as usize..][..cluster.node_count as usize];
-    let of_nodes = view.key_boxes[rows.clone()].chunks_exact(keys);
-    for ((first, boxes), node) in rows.step_by(keys).zip(of_nodes).zip(nodes) {
-        check_node(node, first, boxes)?;
+    let empty: Vec<[u8; 8]> = nodes.iter().map(empty_places).collect();
+    for (at, empty) in rows.zip(empty.into_iter().cycle()) {
+        let listed = &view.key_boxes[at];
+        // A file may have more of these rows than of all others, so which place is wrong is asked only of a row that is.
+        if !is_right(listed, empty) {
+            check_row(listed, empty).map_err(|fault| row(SectionKind::KeyBoxes, at, fault))?;
+        }
     }
     Ok(())
 }
 
-/// Checks the boxes of a node, whose rows begin with row `first`.
-fn check_node(node: &WideNodeRow, first: usize, boxes: &[KeyBoxRow]) -> Result<(), FormatError> {
-    let empty = node.children.map(|child| match child {
+/// All bits of the empty places of a node, none of the others.
+fn empty_places(node: &WideNodeRow) -> [u8; 8] {
+    node.children.map(|child| match child {
         WideChild::EMPTY => u8::MAX,
         _ => 0,
-    });
-    // A file may have more of these rows than of all others, so which place is wrong is asked only of a row that is.
-    match boxes.iter().position(|listed| !is_right(listed, empty)) {
-        Some(at) => check_row(&boxes[at], empty).map_err(|fault| row(SectionKind::KeyBoxes, first + at, fault)),
-        None => Ok(()),
-    }
+    })
 }
 
 /// Not zero where a box is wrong along an axis: where `min` is above `max`, or either is not zero in an empty place, where

@@ -2,36 +2,41 @@ use super::{
     numbers::{finite, index_within, reserved},
     row,
     segments::{self, Segment},
-    tiling::Tiling,
 };
 use crate::{
     FormatError, ModelView, RowFault, SectionKind,
     rows::{KeyVertexRow, NONE},
 };
-use std::ops::Range;
 
-/// Key vertices have tracks of their segment and numbers that `f32` can hold; their records tile the words but for those
-/// that close the section. Segments and tracks have been checked.
+/// Key vertices have tracks of their segment and numbers that `f32` can hold; their records tile the bits of a key. Segments and
+/// tracks have been checked.
 pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
-    let closing = if view.caches.is_empty() {
-        0
-    } else {
-        KeyVertexRow::CLOSING_WORDS
-    };
-    let mut words = Tiling::with_closing_rows(SectionKind::KeyWords, view.key_words.len(), closing);
     for segment in segments::all(view) {
+        let mut bits = 0u64;
         for at in segment.key_vertices() {
             let vertex = &view.key_vertices[at];
             check_fields(view, &segment, at, vertex)?;
-            let count = vertex.word_count(segment.row.key_count);
-            let range = words.take(SectionKind::KeyVertices, at, "word_first", vertex.word_first, count)?;
-            check_words(view, &segment, vertex, range)?;
+            if u64::from(vertex.bit_first) != bits {
+                let (field, found) = ("bit_first", vertex.bit_first.into());
+                let fault = RowFault::RangeNotContiguous {
+                    field,
+                    found,
+                    expected: bits,
+                };
+                return Err(row(SectionKind::KeyVertices, at, fault));
+            }
+            bits += u64::from(vertex.record_bits());
         }
-    }
-    words.finish()?;
-    let first = view.key_words.len() - closing;
-    for (at, word) in view.key_words.iter().enumerate().skip(first) {
-        reserved(SectionKind::KeyWords, at, "closing word", &[*word])?;
+        let (found, expected) = (u64::from(segment.row.words_per_key), bits.div_ceil(32));
+        if found != expected {
+            let field = "words_per_key";
+            return Err(row(
+                SectionKind::Segments,
+                segment.at,
+                RowFault::Count { field, found, expected },
+            ));
+        }
+        check_words(view, &segment, bits)?;
     }
     Ok(())
 }
@@ -74,26 +79,21 @@ fn check_fields(
     Ok(())
 }
 
-/// Raw positions are finite; behind the last record there are no bits.
-fn check_words(
-    view: &ModelView<'_>,
-    segment: &Segment<'_>,
-    vertex: &KeyVertexRow,
-    range: Range<usize>,
-) -> Result<(), FormatError> {
-    let section = SectionKind::KeyWords;
-    if vertex.raw != 0 {
-        for at in range {
-            finite(section, at, "position", &[f32::from_bits(view.key_words[at])])?;
+/// Raw positions are finite; behind the last of a key's records, which have so many bits, there are none.
+fn check_words(view: &ModelView<'_>, segment: &Segment<'_>, bits: u64) -> Result<(), FormatError> {
+    let is_raw = |at: &usize| view.key_vertices[*at].raw != 0;
+    let raw: Vec<usize> = segment.key_vertices().filter(is_raw).collect();
+    for (key, words) in segment.keys(view).enumerate() {
+        for at in &raw {
+            let position = view.key_vertices[*at].stored(words);
+            finite(SectionKind::KeyVertices, *at, "position", &position)?;
         }
-        return Ok(());
-    }
-    let bits = u64::from(vertex.record_bits()) * u64::from(segment.row.key_count);
-    match range.last() {
-        Some(last) if bits % 32 != 0 => {
-            let unused = view.key_words[last] >> (bits % 32);
-            reserved(section, last, "bits behind the last record", &[unused])
+        if !bits.is_multiple_of(32) {
+            let last = (bits / 32) as usize;
+            let at = segment.row.word_first as usize + key * segment.row.words_per_key as usize + last;
+            let unused = words[last] >> (bits % 32);
+            reserved(SectionKind::KeyWords, at, "bits behind the last record", &[unused])?;
         }
-        _ => Ok(()),
     }
+    Ok(())
 }

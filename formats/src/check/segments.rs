@@ -1,7 +1,7 @@
-use super::{row, tiling::Tiling};
+use super::{numbers::reserved, row, tiling::Tiling};
 use crate::{
     FormatError, ModelView, RowFault, SectionKind,
-    rows::{CacheRow, NONE, PartRow, SegmentRow},
+    rows::{CacheRow, KeyVertexRow, NONE, PartRow, SegmentRow},
 };
 use std::ops::Range;
 
@@ -26,6 +26,12 @@ impl Segment<'_> {
     /// The key-vertex rows of the part's vertices.
     pub(super) fn key_vertices(&self) -> Range<usize> {
         range(self.row.key_vertex_first, self.part.vertex_count)
+    }
+
+    /// The words of each key, and all that follow them. Segments have been checked.
+    pub(super) fn keys<'b>(&self, view: &ModelView<'b>) -> impl Iterator<Item = &'b [u32]> {
+        let (segment, words) = (self.row, view.key_words);
+        (0..segment.key_count).map(move |key| segment.key_words(words, key))
     }
 
     /// The key-vertex row of a vertex of the part.
@@ -61,13 +67,20 @@ pub(super) fn clusters_without_track(view: &ModelView<'_>) -> usize {
     first.unwrap_or(view.clusters.len())
 }
 
-/// Segments tile the tracks, the key vertices, and the clusters from the first with a track on. Caches have been checked.
+/// Segments tile the tracks, the key vertices, the key words but for those that close their section, and the clusters from
+/// the first with a track on. Caches have been checked.
 pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
     let section = SectionKind::Segments;
     let first = clusters_without_track(view);
     let mut tracks = Tiling::new(SectionKind::Tracks, view.tracks.len());
     let mut clusters = Tiling::starting_at(SectionKind::Clusters, view.clusters.len(), first);
     let mut vertices = Tiling::new(SectionKind::KeyVertices, view.key_vertices.len());
+    let closing = if view.caches.is_empty() {
+        0
+    } else {
+        KeyVertexRow::CLOSING_WORDS
+    };
+    let mut words = Tiling::with_closing_rows(SectionKind::KeyWords, view.key_words.len(), closing);
     for Segment {
         at, row: segment, part, ..
     } in all(view)
@@ -90,8 +103,16 @@ pub(super) fn check(view: &ModelView<'_>) -> Result<(), FormatError> {
             segment.key_vertex_first,
             part.vertex_count,
         )?;
+        let count = u64::from(segment.words_per_key) * u64::from(segment.key_count);
+        words.take(section, at, "word_first", segment.word_first, count)?;
     }
     tracks.finish()?;
     clusters.finish()?;
-    vertices.finish()
+    vertices.finish()?;
+    words.finish()?;
+    let first = view.key_words.len() - closing;
+    for (at, word) in view.key_words.iter().enumerate().skip(first) {
+        reserved(SectionKind::KeyWords, at, "closing word", &[*word])?;
+    }
+    Ok(())
 }

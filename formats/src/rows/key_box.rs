@@ -35,8 +35,8 @@ impl TrackRow {
         }
     }
 
-    /// Rows of boxes of a cluster that the track moves, in a segment of so many keys. Those of a node stand together, by keys;
-    /// nodes in the order of their rows.
+    /// Rows of boxes of a cluster that the track moves, in a segment of so many keys. Those of a key stand together, in the order
+    /// of the nodes' rows.
     #[must_use]
     pub fn key_box_count(&self, cluster: &ClusterRow, key_count: u32) -> u64 {
         u64::from(self.box_key_count(key_count)) * u64::from(cluster.node_count)

@@ -50,7 +50,8 @@ fn keyed_places() -> Vec<KeyedPlace> {
             next_row += node_count * box_keys;
             let tree = &nodes[node_first as usize..][..node_count as usize];
             for (node, bytes) in (0..).zip(tree) {
-                let own = &boxes[(box_first + node * box_keys) as usize..][..box_keys as usize];
+                let row = |key: u32| boxes[(box_first + key * node_count + node) as usize];
+                let own: Vec<&[u8]> = (0..box_keys).map(row).collect();
                 for place in 0..8 {
                     let child = u32_at(bytes, 96 + 4 * place);
                     if child == u32::MAX {

@@ -61,7 +61,7 @@ const SECTIONS: [(&[u8; 4], usize); 37] = [
     (b"SAMP", 8),
     (b"CBND", 44),
     (b"CACH", 32),
-    (b"SEGM", 32),
+    (b"SEGM", 36),
     (b"TRAK", 32),
     (b"KEYF", 80),
     (b"KVRT", 24),
@@ -184,9 +184,9 @@ fn rows_are_as_the_text_says() {
     same!(b"CACH", m.caches, b => (u32s::<5>(b, 0), f32s::<1>(b, 20), u32s::<2>(b, 24)), r => (
         [r.part, r.bone, r.key_count, r.segment_first, r.segment_count], [r.position_error], r.reserved,
     ));
-    same!(b"SEGM", m.segments, b => u32s::<8>(b, 0), r => [
+    same!(b"SEGM", m.segments, b => u32s::<9>(b, 0), r => [
         r.key_first, r.key_count, r.track_first, r.track_count, r.cluster_first, r.cluster_count,
-        r.key_vertex_first, r.reserved,
+        r.key_vertex_first, r.word_first, r.words_per_key,
     ]);
     same!(b"TRAK", m.tracks, b => (u32_at(b, 0), f32s::<3>(b, 4), f32s::<1>(b, 16), u32s::<3>(b, 20)), r => (
         r.key_first, r.origin, [r.step], [r.box_first, r.box_interval, r.reserved],
@@ -195,7 +195,7 @@ fn rows_are_as_the_text_says() {
         r.map, r.bounds.min, r.bounds.max, [r.flags, r.reserved],
     ));
     same!(b"KVRT", m.key_vertices, b => (u32s::<5>(b, 0).map(|x| x as i32), [b[20], b[21], b[22], b[23]]), r => (
-        [r.base[0], r.base[1], r.base[2], r.track as i32, r.word_first as i32],
+        [r.base[0], r.base[1], r.base[2], r.track as i32, r.bit_first as i32],
         [r.widths[0], r.widths[1], r.widths[2], r.raw],
     ));
     same!(b"KWRD", m.key_words, b => u32_at(b, 0), r => *r);
@@ -240,23 +240,25 @@ pub fn positions_of_cache(cache: u32) -> Vec<Vec<Vec<[f32; 3]>>> {
         let (key_count, vertex_count) = (u32_at(segment, 4), u32_at(part, 20));
         let vertices = &rows(b"KVRT")[u32_at(segment, 24) as usize..][..vertex_count as usize];
         (0..key_count)
-            .map(|key| vertices.iter().map(|vertex| position(vertex, key)).collect())
+            .map(|key| vertices.iter().map(|vertex| position(segment, vertex, key)).collect())
             .collect()
     };
     segments.iter().map(of_segment).collect()
 }
 
 /// Where the vertex of a row of KVRT is at a key of its segment.
-fn position(vertex: &[u8], key: u32) -> [f32; 3] {
-    let words = rows(b"KWRD");
-    let bit = |at: u32| u32_at(words[u32_at(vertex, 16) as usize + at as usize / 32], 0) >> (at % 32) & 1;
+fn position(segment: &[u8], vertex: &[u8], key: u32) -> [f32; 3] {
+    let [word_first, words_per_key] = u32s::<2>(segment, 28);
+    let words = &rows(b"KWRD")[(word_first + key * words_per_key) as usize..];
+    let bit_first = u32_at(vertex, 16);
+    let bit = |at: u32| u32_at(words[((bit_first + at) / 32) as usize], 0) >> ((bit_first + at) % 32) & 1;
     let number = |first: u32, width: u32| (0..width).map(|k| bit(first + k) << k).sum::<u32>();
     let track = rows(b"TRAK")[u32_at(vertex, 12) as usize];
     if vertex[23] == 1 {
-        return [0, 1, 2].map(|axis| f32::from_bits(number(key * 96 + axis * 32, 32)));
+        return [0, 1, 2].map(|axis| f32::from_bits(number(axis * 32, 32)));
     }
     let widths = [vertex[20], vertex[21], vertex[22]].map(u32::from);
-    let starts = [0, widths[0], widths[0] + widths[1]].map(|start| start + key * widths.iter().sum::<u32>());
+    let starts = [0, widths[0], widths[0] + widths[1]];
     let (origin, [step]) = (f32s::<3>(track, 4), f32s::<1>(track, 16));
     let local: [f32; 3] = std::array::from_fn(|k| {
         let lattice = u32_at(vertex, 4 * k) as i32 + number(starts[k], widths[k]) as i32;

@@ -14,8 +14,17 @@ fn lattice_coordinates_and_widths_at_their_limits_are_accepted() {
     assert!(write(&m).is_ok());
     m.key_vertices[12].base[2] = (1 << 24) - (1 << 21) + 1;
     m.key_vertices[12].widths[2] = 21;
-    let closing = m.key_words.len() - 3;
-    m.key_words.splice(closing..closing, [u32::MAX, 0x3FF]);
+    // Its record is the last of each of two keys, and begins with bit 14 of the last of seven words.
+    assert_eq!(
+        (m.key_vertices[12].bit_first, m.segments[2].words_per_key),
+        (6 * 32 + 14, 7)
+    );
+    m.segments[2].words_per_key = 8;
+    let first = m.segments[2].word_first as usize;
+    for end in [first + 14, first + 7] {
+        m.key_words[end - 1] |= u32::MAX << 14;
+        m.key_words.insert(end, 0b111);
+    }
     assert!(write(&m).is_ok());
     m.key_vertices[12].base[2] += 1;
     assert!(write(&m).is_err());
@@ -66,9 +75,9 @@ fn segments_without_clusters_do_not_cost_as_much_as_their_part_has_triangles() {
     m.keys.clear();
     m.tracks.truncate(1);
     m.segments.truncate(1);
-    m.segments[0].cluster_count = 0;
+    (m.segments[0].cluster_count, m.segments[0].words_per_key) = (0, 0);
     m.key_vertices.truncate(3);
-    m.key_words = vec![0; 3];
+    m.key_words = vec![0; 4];
     m.caches[1].key_count = COUNT + 1;
     m.caches[1].segment_count = COUNT;
     for key in 0..COUNT {
@@ -90,7 +99,7 @@ fn segments_without_clusters_do_not_cost_as_much_as_their_part_has_triangles() {
         );
     }
     for row in &mut m.key_vertices {
-        (row.raw, row.word_first) = (0, 0);
+        (row.raw, row.bit_first) = (0, 0);
     }
     assert_eq!(write(&m).err(), None);
 }
@@ -100,16 +109,11 @@ fn a_long_vertex_in_many_clusters_is_looked_at_once() {
     // Its words once per cluster would take 2^34 steps.
     const COUNT: u32 = 1 << 17;
     let mut m = model();
-    let words = vec![2.0f32.to_bits(); 3 * COUNT as usize];
     m.caches[0].key_count = COUNT;
     m.segments[0].key_count = COUNT;
-    m.key_words.splice(0..9, [&words[..], &words, &words].concat());
-    for (at, row) in m.key_vertices.iter_mut().enumerate() {
-        row.word_first = if at < 3 {
-            at as u32 * 3 * COUNT
-        } else {
-            row.word_first + 9 * (COUNT - 1)
-        };
+    m.key_words.splice(0..9, vec![2.0f32.to_bits(); 9 * COUNT as usize]);
+    for segment in &mut m.segments[1..] {
+        segment.word_first += 9 * (COUNT - 1);
     }
     m.triangles.splice(9.., vec![m.triangles[9]; COUNT as usize]);
     m.parts[3].triangle_count = COUNT;

@@ -97,7 +97,27 @@ rules! {
             m.caches[1].segment_first = 2;
         }
         => at!(Caches, 0, Count { field: "segment_count", found: 2, expected: 1 }),
-    segment_reserved_is_zero: |m| m.segments[1].reserved = 1 => at!(Segments, 1, ReservedNotZero { .. }),
+    key_words_of_segments_follow_each_other:
+        |m| m.segments[1].word_first += 1 => at!(Segments, 1, RangeNotContiguous { field: "word_first", found: 10, expected: 9 }),
+    key_words_are_in_range:
+        |m| m.key_words.truncate(9) => at!(Segments, 0, RangeOutOfBounds { field: "word_first", limit: 5, .. }),
+    key_words_do_not_wrap:
+        |m| m.segments[1].words_per_key = u32::MAX => at!(Segments, 1, RangeOutOfBounds { field: "word_first", .. }),
+    segments_cover_all_words_but_the_closing_ones:
+        |m| m.key_words.push(0) => RowCount { section: KeyWords, .. },
+    four_words_close_the_section:
+        |m| { m.key_words.pop(); } => at!(Segments, 2, RangeOutOfBounds { field: "word_first", .. }),
+    the_closing_words_are_zero:
+        |m| *m.key_words.last_mut().unwrap() = 1 => Row { section: KeyWords, fault: ReservedNotZero { field: "closing word" }, .. },
+    a_key_has_no_more_words_than_its_records_fill:
+        |m| { m.segments[2].words_per_key += 1; m.key_words.extend([0; 2]); }
+        => at!(Segments, 2, Count { field: "words_per_key", .. }),
+    a_key_has_no_fewer_words_than_its_records_fill:
+        |m| {
+            m.segments[2].words_per_key -= 1;
+            m.key_words.drain(23..25);
+        }
+        => at!(Segments, 2, Count { field: "words_per_key", .. }),
     a_segment_has_a_track:
         |m| m.segments[0].track_count = 0 => at!(Segments, 0, EmptyRange { field: "track_count" }),
     segment_tracks_follow_each_other:
@@ -191,28 +211,23 @@ rules! {
             m.key_vertices[12].base[0] = i32::MAX;
         }
         => at!(KeyVertices, 12, BeyondLattice { axis: 0, .. }),
-    key_words_follow_each_other:
-        |m| m.key_vertices[4].word_first += 1 => at!(KeyVertices, 4, RangeNotContiguous { field: "word_first", .. }),
-    key_words_are_in_range:
-        |m| m.key_words.truncate(9) => at!(KeyVertices, 2, RangeOutOfBounds { field: "word_first", limit: 6, .. }),
-    key_vertices_cover_all_words_but_the_closing_ones:
-        |m| m.key_words.push(0) => RowCount { section: KeyWords, .. },
-    three_words_close_the_section:
-        |m| { m.key_words.pop(); } => at!(KeyVertices, 11, RangeOutOfBounds { field: "word_first", .. }),
-    the_closing_words_are_zero:
-        |m| *m.key_words.last_mut().unwrap() = 1 => Row { section: KeyWords, fault: ReservedNotZero { field: "closing word" }, .. },
+    records_of_a_key_follow_each_other:
+        |m| m.key_vertices[4].bit_first += 1 => at!(KeyVertices, 4, RangeNotContiguous { field: "bit_first", .. }),
+    records_of_a_key_begin_with_its_first_bit:
+        |m| m.key_vertices[3].bit_first = 1 => at!(KeyVertices, 3, RangeNotContiguous { field: "bit_first", expected: 0, .. }),
     there_are_no_words_without_a_cache:
         |m| { without_caches(m); m.segments.clear(); m.tracks.clear(); m.keys.clear(); m.key_vertices.clear(); m.clusters.truncate(3); }
         => RowCount { section: KeyWords, expected: 0, .. },
     raw_positions_are_finite:
-        |m| m.key_words[7] = f32::NAN.to_bits() => at!(KeyWords, 7, NotFinite { field: "position", .. }),
+        |m| m.key_words[7] = f32::NAN.to_bits() => at!(KeyVertices, 2, NotFinite { field: "position", .. }),
     there_are_no_bits_behind_the_last_record:
         |m| {
-            let first = m.key_vertices[3].word_first as usize;
-            assert_eq!(m.key_vertices[3].record_bits() * 3, 27);
-            m.key_words[first] |= 1 << 27;
+            let bits: u32 = m.key_vertices[3..8].iter().map(|row| row.record_bits()).sum();
+            assert_eq!((bits, m.segments[1].words_per_key), (41, 2));
+            // Of its second key.
+            m.key_words[9 + 3] |= 1 << 31;
         }
-        => at!(KeyWords, 9, ReservedNotZero { field: "bits behind the last record" }),
+        => at!(KeyWords, 12, ReservedNotZero { field: "bits behind the last record" }),
 
     cluster_tracks_are_of_their_segment:
         |m| m.clusters[6].track = 2 => at!(Clusters, 6, IndexOutsideRange { field: "track", found: 2, first: 3, limit: 5 }),

@@ -25,8 +25,9 @@ fn decode_positions(model: &Model) {
         for segment in &model.segments[cache.segment_first as usize..][..cache.segment_count as usize] {
             for row in &model.key_vertices[segment.key_vertex_first as usize..][..vertex_count] {
                 for key in [0, segment.key_count - 1] {
-                    let bounds = row.bounds(&model.key_words, segment.key_count);
-                    assert!(bounds.contains(row.stored(&model.key_words, key)));
+                    let words = |key| segment.key_words(&model.key_words, key);
+                    let bounds = row.bounds((0..segment.key_count).map(words));
+                    assert!(bounds.contains(row.stored(words(key))));
                 }
             }
         }
@@ -47,12 +48,11 @@ fn decode_key_boxes(model: &Model) {
     for segment in &model.segments {
         for cluster in &model.clusters[segment.cluster_first as usize..][..segment.cluster_count as usize] {
             let track = &model.tracks[cluster.track as usize];
-            let keys = track.box_key_count(segment.key_count) as usize;
             let rows = track.key_box_count(cluster, segment.key_count) as usize;
             let boxes = &model.key_boxes[track.box_first as usize..][..rows];
             count += rows;
             for (at, row) in boxes.iter().enumerate() {
-                let node = &model.wide_nodes[cluster.node_first as usize + at / keys];
+                let node = &model.wide_nodes[cluster.node_first as usize + at % cluster.node_count as usize];
                 for place in 0..node.children().count() {
                     let sides = node.box_at(row, place);
                     assert!(sides.iter().all(|[least, greatest]| least <= greatest));

@@ -28,7 +28,7 @@ use crate::{
     posing::{Demand, PosingLimits},
     rest_boxes::{BoneImages, cluster_bounds},
     set_bits::set_bits,
-    simd::{Portable, SimdLevel, prefetch},
+    simd::{Lanes, Portable, SimdLevel, prefetch},
     stats::Count,
     top_level::TopLevel,
     vertex::pose_vertex,
@@ -332,9 +332,11 @@ impl Prepared {
     }
 
     /// Poses a triangle's corners in world space. `cache` is that of its part.
-    #[inline]
-    pub(crate) fn pose_triangle(
+    // No closures: they would not be compiled for the instructions that the function around them is.
+    #[inline(always)]
+    pub(crate) fn pose_triangle<S: Lanes>(
         &self,
+        simd: S,
         model: &ModelView,
         cache: u32,
         triangle: u32,
@@ -344,15 +346,20 @@ impl Prepared {
         if let Some(whole) = self.whole.get() {
             return corners.map(|corner| whole.positions[corner as usize]);
         }
-        let mut pose = |corner| {
+        let memo = self.memo.get();
+        let mut out = [[0.0; 3]; 3];
+        for (position, corner) in out.iter_mut().zip(corners) {
+            if let Some(kept) = memo.and_then(|memo| memo.position(corner)) {
+                *position = kept;
+                continue;
+            }
             counters.vertex();
-            self.recomputed_vertex(model, cache, corner)
-        };
-        let [a, b, c] = corners;
-        match self.memo.get() {
-            Some(memo) => [a, b, c].map(|corner| memo.position(corner, || pose(corner))),
-            None => [pose(a), pose(b), pose(c)],
+            *position = self.recomputed_vertex(simd, model, cache, corner);
+            if let Some(memo) = memo {
+                memo.keep(corner, *position);
+            }
         }
+        out
     }
 
     /// Poses all vertices in world space, on all cores.
@@ -375,19 +382,20 @@ impl Prepared {
         }
     }
 
-    #[inline]
     pub(crate) fn recomputed_triangle(&self, model: &ModelView, cache: u32, triangle: u32) -> [[f32; 3]; 3] {
         let corners = model.triangles[triangle as usize].corners;
-        corners.map(|corner| self.recomputed_vertex(model, cache, corner))
+        corners.map(|corner| self.recomputed_vertex(Portable, model, cache, corner))
     }
 
     /// Poses a vertex in world space. `cache` is that of its part.
-    #[inline]
-    pub(crate) fn recomputed_vertex(&self, model: &ModelView, cache: u32, vertex: u32) -> [f32; 3] {
-        if cache == NONE {
-            pose_vertex(model, &self.posed, &self.pose.morph_weights, vertex)
+    #[inline(always)]
+    pub(crate) fn recomputed_vertex<S: Lanes>(&self, simd: S, model: &ModelView, cache: u32, vertex: u32) -> [f32; 3] {
+        let posed = if cache == NONE {
+            pose_vertex(simd, model, &self.posed, &self.pose.morph_weights, vertex)
         } else {
-            self.caches[cache as usize].pose_vertex(model, vertex)
-        }
+            self.caches[cache as usize].pose_vertex(simd, model, vertex)
+        };
+        let [x, y, z, _] = simd.store4(posed);
+        [x, y, z]
     }
 }

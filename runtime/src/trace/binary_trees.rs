@@ -13,6 +13,7 @@ use crate::{
     geometry_instance::GeometryInstance,
     prepared::{ClusterState, PosedCluster},
     refitted_tree::RefittedBoxes,
+    simd::Portable,
     stats::Count,
 };
 use restpose_formats::rows::ClusterRow;
@@ -34,7 +35,7 @@ pub(super) fn pass_cluster<const ANY: bool, C: Count>(
     let row: &ClusterRow = &model.clusters[state.row as usize];
     let mut test = |triangle: u32, traveller: &mut Traveller, counters: &mut C| {
         counters.triangle();
-        let corners = prepared.pose_triangle(model, state.cache, triangle, counters);
+        let corners = prepared.pose_triangle(Portable, model, state.cache, triangle, counters);
         traveller.test(&corners, id, triangle) && ANY
     };
     if let Way::Posed(tree) = &posed.frame.way {
@@ -68,7 +69,7 @@ pub(super) fn pass_cluster<const ANY: bool, C: Count>(
         _ => {
             let references = &model.references[rows.clone()];
             let first = &asset.first_references()[rows];
-            let pose = |triangle| prepared.pose_triangle(model, state.cache, triangle, &mut ());
+            let pose = |triangle| prepared.pose_triangle(Portable, model, state.cache, triangle, &mut ());
             let boxes = state.refitted().boxes(nodes, references, first, pose);
             let tree = RefittedBoxes { nodes, boxes };
             let slab = SlabRay::in_world(origin, direction, &boxes[0]);

@@ -54,7 +54,7 @@ impl Traveller {
     }
 
     /// Tests one posed triangle; true when it is the best hit so far.
-    #[inline]
+    #[inline(always)]
     pub(super) fn test(&mut self, corners: &[[f32; 3]; 3], instance: InstanceId, triangle: u32) -> bool {
         self.tests = self.tests.wrapping_add(1);
         let Some(found) = self.prepared.intersect(corners) else {

@@ -4,10 +4,10 @@ use restpose_formats::rows::KeyBoxRow;
 /// Boxes of the nodes of a cluster's tree at keys, and where between two of these a pose is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct KeyBoxes<'a> {
-    /// Those of a node together, by keys.
+    /// Those of a key together, by nodes.
     pub rows: &'a [KeyBoxRow],
-    /// How many keys have boxes.
-    pub key_count: u32,
+    /// Nodes of the tree.
+    pub node_count: u32,
     /// The key before and the key after, counted among these.
     pub keys: [u32; 2],
     /// Weight of the key after, 0 to 1.
@@ -18,11 +18,8 @@ impl<'a> KeyBoxes<'a> {
     /// Boxes of a node, by its index in the tree, at the keys before and after.
     #[inline(always)]
     fn of_node(&self, at: u32) -> [&'a KeyBoxRow; 2] {
-        let first = at as usize * self.key_count as usize;
-        [
-            &self.rows[first + self.keys[0] as usize],
-            &self.rows[first + self.keys[1] as usize],
-        ]
+        let row = |key: u32| key as usize * self.node_count as usize + at as usize;
+        [&self.rows[row(self.keys[0])], &self.rows[row(self.keys[1])]]
     }
 
     /// Asks for what [`Self::planes`] reads.
@@ -92,16 +89,17 @@ mod tests {
         let mut random = Rng::with_seed(3);
         for round in 0..20_000 {
             let node = random_node(&mut random);
-            let (key_count, at) = (random.u32(2..5), random.u32(..3));
+            let (key_count, node_count) = (random.u32(2..5), 3);
+            let at = random.u32(..node_count);
             let mut row = || KeyBoxRow {
                 min: std::array::from_fn(|_| std::array::from_fn(|_| random.u8(..))),
                 max: std::array::from_fn(|_| std::array::from_fn(|_| random.u8(..))),
             };
-            let rows: Vec<KeyBoxRow> = (0..3 * key_count).map(|_| row()).collect();
+            let rows: Vec<KeyBoxRow> = (0..node_count * key_count).map(|_| row()).collect();
             let key = random.u32(..key_count - 1);
             let boxes = KeyBoxes {
                 rows: &rows,
-                key_count,
+                node_count,
                 keys: [key, key + 1],
                 weight: [0.0, 1.0, random.f32()][round % 3],
             };
@@ -110,10 +108,10 @@ mod tests {
             if let Some(simd) = Avx2::new() {
                 assert_eq!(planes(simd, &boxes, at, &node), found);
             }
-            let first = (at * key_count + key) as usize;
+            let row = |key: u32| &rows[(key * node_count + at) as usize];
             let weight = f64::from(boxes.weight);
             for (k, place) in (0..3).flat_map(|k| (0..8).map(move |place| (k, place))) {
-                let [before, after] = [0, 1].map(|key| node.box_at(&rows[first + key], place)[k]);
+                let [before, after] = [key, key + 1].map(|key| node.box_at(row(key), place)[k]);
                 let side = f64::from(node.max[k][place]) - f64::from(node.min[k][place]);
                 // What is rounded last is a coordinate of the lattice, which may lie a side further out than the place.
                 let magnitude = f64::from(node.max[k][place]).max(239.0 / 223.0 * side);

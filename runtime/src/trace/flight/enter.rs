@@ -6,7 +6,7 @@ use crate::{
     cluster_frame::{LatticeRay, LocalFrame, SlabRay, Way},
     mover_maps::MOST_STEPS,
     prepared::{ClusterState, PosedCluster, Whole},
-    simd::{Lanes, prefetch},
+    simd::{Lanes, Portable, prefetch},
     stats::Count,
     trace::{binary_trees::pass_cluster, context::ClusterContext},
     wide::{FuzzyRay, WideNode, WideRay, WideStack},
@@ -94,7 +94,7 @@ impl<'a> Flight<'a> {
                 false
             }
             (Way::Local(_) | Way::Refitted, TreeKind::Wide) => {
-                let pose = |triangle| prepared.pose_triangle(model, state.cache, triangle, &mut ());
+                let pose = |triangle| prepared.pose_triangle(Portable, model, state.cache, triangle, &mut ());
                 let nodes = state.refitted().wide(asset.wide_nodes(state.row), pose);
                 self.enter(Tree::Refitted, nodes);
                 false

@@ -146,7 +146,7 @@ impl<'a> Flight<'a> {
                 }
             }
             Next::TestTriangle(triangle) => {
-                if self.test::<ANY, C>(triangle, counters) {
+                if self.test::<ANY, S, C>(simd, triangle, counters) {
                     return false;
                 }
             }
@@ -224,7 +224,7 @@ impl<'a> Flight<'a> {
                     return true;
                 }
                 _ => {
-                    if self.test::<ANY, C>(leaf, counters) {
+                    if self.test::<ANY, S, C>(simd, leaf, counters) {
                         return false;
                     }
                 }
@@ -234,10 +234,10 @@ impl<'a> Flight<'a> {
 
     /// Tests a triangle; true when the search is over.
     #[inline(always)]
-    fn test<const ANY: bool, C: Count>(&mut self, triangle: u32, counters: &mut C) -> bool {
+    fn test<const ANY: bool, S: Lanes, C: Count>(&mut self, simd: S, triangle: u32, counters: &mut C) -> bool {
         counters.triangle();
         let Actor { id, asset, prepared } = self.actor();
-        let corners = prepared.pose_triangle(asset.model(), self.cache, triangle, counters);
+        let corners = prepared.pose_triangle(simd, asset.model(), self.cache, triangle, counters);
         let is_over = self.traveller.test(&corners, id, triangle) && ANY;
         if is_over {
             self.leave();

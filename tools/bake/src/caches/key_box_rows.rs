@@ -130,7 +130,9 @@ impl Filling {
         let count = (key_count - 1).div_ceil(self.interval) + 1;
         let mut rows = vec![KeyBoxRow::default(); count * tree.nodes.len()];
         for (node, own) in self.nodes.iter().zip(self.rows.chunks_exact(count)) {
-            rows[*node as usize * count..][..count].copy_from_slice(own);
+            for (of_key, row) in rows.chunks_exact_mut(tree.nodes.len()).zip(own) {
+                of_key[*node as usize] = *row;
+            }
         }
         let frame = PlaceFrame::new(tree, 0.0);
         let sides = [0, 1, 2].map(|k| f64::from(tree.bounds.max[k]) - f64::from(tree.bounds.min[k]));

@@ -65,7 +65,7 @@ fn add_cache(
     let triangles = triangles_with_area(model, part, &mut keys);
     if triangles.is_empty() {
         class.reason = "no triangle has an area in any key".to_owned();
-        rows::add_free(model, cache, &keys.frames, keys.weld.len(), &triangles, settings.tree)?;
+        rows::add_free(model, cache, &keys.frames, &triangles, settings.tree)?;
         let nothing = ExpectedFrame::new(&StructureCost::default(), settings.rays_per_frame);
         return Ok(CacheReport::without_clusters(keys.frames.len(), nothing));
     }
@@ -119,7 +119,7 @@ fn add_cache(
     let (vertex_first, vertex_count) = (model.parts[part].vertex_first as usize, keys.weld.len());
     let mut rest_key = 0;
     if class.class == MotionClass::Free {
-        rows::add_free(model, cache, &keys.frames, vertex_count, &triangles, settings.tree)?;
+        rows::add_free(model, cache, &keys.frames, &triangles, settings.tree)?;
         report.bytes = (vertex_count * (12 * keys.frames.len() + size_of::<KeyVertexRow>())) as u64;
     } else {
         rows::add_coherent(model, cache, &segments, &triangles)?;

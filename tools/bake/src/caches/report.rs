@@ -56,7 +56,7 @@ impl CacheReport {
         self.bytes = segments.iter().map(Segment::byte_count).sum();
         let position_bytes: usize = segments
             .iter()
-            .map(|segment| size_of_val(segment.stored.words.as_slice()) + size_of_val(segment.stored.rows.as_slice()))
+            .map(|segment| size_of_val(segment.stored.words()) + size_of_val(segment.stored.rows.as_slice()))
             .sum();
         self.bytes_per_vertex_key = position_bytes as f64 / (vertex_count as f64 * self.keys as f64);
         self.segments = segments.iter().map(SegmentReport::new).collect();

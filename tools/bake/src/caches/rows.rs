@@ -1,9 +1,15 @@
-use super::segment::{Segment, SegmentCluster};
+use super::{
+    segment::{Segment, SegmentCluster},
+    stored_positions::{Home, StoredPositions},
+};
 use crate::{BakeError, assemble::row_count};
 use restpose_formats::{
     Model, TreeKind,
     geom::Aabb,
-    rows::{CacheRow, ClusterBoneRow, ClusterRow, KeyRow, KeyVertexRow, NONE, ReferenceBoxRow, SegmentRow, TrackRow},
+    rows::{
+        CacheRow, ClusterBoneRow, ClusterRow, KeyRow, KeyVertexRow, NONE, PartRow, ReferenceBoxRow, SegmentRow,
+        TrackRow,
+    },
 };
 
 /// The track without keys: local space is the cache's own.
@@ -35,17 +41,22 @@ fn add_segment(model: &mut Model, cache: usize, segment: &Segment, triangles: &[
     let own_space = u32::from(segment.stored.has_raw());
     let cluster_count = row_count("clusters", segment.clusters.len())?;
     let track_first = row_count("tracks", model.tracks.len())?;
+    let key_count = row_count("keys", segment.keys.end() - segment.keys.start() + 1)?;
     model.segments.push(SegmentRow {
         key_first: row_count("keys", *segment.keys.start())?,
-        key_count: row_count("keys", segment.keys.end() - segment.keys.start() + 1)?,
+        key_count,
         track_first,
         track_count: cluster_count + own_space,
         cluster_first: row_count("clusters", model.clusters.len())?,
         cluster_count,
         key_vertex_first: row_count("key vertices", model.key_vertices.len())?,
-        reserved: 0,
+        word_first: row_count("key words", model.key_words.len())?,
+        words_per_key: segment.stored.words_per_key,
     });
-    let stored = add_positions(model, segment, track_first)?;
+    add_positions(model, &segment.stored, track_first)?;
+    let keys = || (0..key_count as usize).map(|key| segment.stored.key_words(key));
+    let rows = segment.stored.rows.iter();
+    let stored: Vec<Aabb> = rows.map(|row| row.bounds(keys())).collect();
     for (index, cluster) in (0u32..).zip(&segment.clusters) {
         model.tracks.push(TrackRow {
             key_first: row_count("keys", model.keys.len())?,
@@ -91,27 +102,17 @@ fn add_segment(model: &mut Model, cache: usize, segment: &Segment, triangles: &[
     Ok(())
 }
 
-/// Adds a segment's key vertices and words; gives the box of each vertex's stored numbers.
-fn add_positions(model: &mut Model, segment: &Segment, track_first: u32) -> Result<Vec<Aabb>, BakeError> {
-    let word_first = row_count("key words", model.key_words.len())?;
-    row_count("key words", model.key_words.len() + segment.stored.words.len())?;
-    let key_count = row_count("keys", segment.keys.end() - segment.keys.start() + 1)?;
-    let stored = segment
-        .stored
-        .rows
-        .iter()
-        .map(|row| row.bounds(&segment.stored.words, key_count))
-        .collect();
-    model
-        .key_vertices
-        .extend(segment.stored.rows.iter().map(|row| KeyVertexRow {
-            track: track_first + row.track,
-            word_first: word_first + row.word_first,
-            ..*row
-        }));
+/// Adds a segment's key vertices and words.
+fn add_positions(model: &mut Model, stored: &StoredPositions, track_first: u32) -> Result<(), BakeError> {
+    let rows = stored.rows.iter().map(|row| KeyVertexRow {
+        track: track_first + row.track,
+        ..*row
+    });
+    model.key_vertices.extend(rows);
+    model.key_words.extend_from_slice(stored.words());
     row_count("key vertices", model.key_vertices.len())?;
-    model.key_words.extend_from_slice(&segment.stored.words);
-    Ok(stored)
+    row_count("key words", model.key_words.len())?;
+    Ok(())
 }
 
 /// The tracks that move the cluster's vertices, ascending, with the box of what they move.
@@ -137,15 +138,22 @@ fn cluster_bones(
 }
 
 /// A cache whose part is in free motion: positions as they are, and one list of triangles.
-pub(super) fn add_free<F: AsRef<[[f32; 3]]>>(
+pub(super) fn add_free<F: AsRef<[[f32; 3]]> + Sync>(
     model: &mut Model,
     cache: usize,
     frames: &[F],
-    vertex_count: usize,
     triangles: &[u32],
     tree: TreeKind,
 ) -> Result<(), BakeError> {
-    let CacheRow { bone, key_count, .. } = model.caches[cache];
+    let CacheRow {
+        bone, key_count, part, ..
+    } = model.caches[cache];
+    let PartRow {
+        vertex_first,
+        vertex_count,
+        ..
+    } = model.parts[part as usize];
+    let stored = StoredPositions::new(frames, &[], &vec![Home::Raw; vertex_count as usize], 0.0)?;
     let track = row_count("tracks", model.tracks.len())?;
     model.caches[cache].segment_first = row_count("segments", model.segments.len())?;
     model.caches[cache].segment_count = 1;
@@ -157,35 +165,19 @@ pub(super) fn add_free<F: AsRef<[[f32; 3]]>>(
         cluster_first: row_count("clusters", model.clusters.len())?,
         cluster_count: u32::from(!triangles.is_empty()),
         key_vertex_first: row_count("key vertices", model.key_vertices.len())?,
-        reserved: 0,
+        word_first: row_count("key words", model.key_words.len())?,
+        words_per_key: stored.words_per_key,
     });
     model.tracks.push(OWN_SPACE);
-    let mut bounds = Aabb::EMPTY;
-    for vertex in 0..vertex_count {
-        model.key_vertices.push(KeyVertexRow {
-            base: [0; 3],
-            track,
-            word_first: row_count("key words", model.key_words.len())?,
-            widths: [0; 3],
-            raw: 1,
-        });
-        for frame in frames {
-            let position = frame.as_ref()[vertex];
-            model.key_words.extend(position.map(f32::to_bits));
-        }
-    }
-    for triangle in triangles {
-        for corner in model.triangles[*triangle as usize].corners {
-            let row = &model.key_vertices[model.key_vertices.len() - vertex_count..]
-                [(corner - model.parts[model.caches[cache].part as usize].vertex_first) as usize];
-            for point in model.key_words[row.word_first as usize..][..3 * frames.len()]
-                .as_chunks::<3>()
-                .0
-            {
-                bounds = bounds.with_point(point.map(f32::from_bits));
-            }
-        }
-    }
+    add_positions(model, &stored, track)?;
+    let corners = triangles
+        .iter()
+        .flat_map(|triangle| model.triangles[*triangle as usize].corners);
+    let positions = corners.flat_map(|corner| {
+        let vertex = (corner - vertex_first) as usize;
+        frames.iter().map(move |frame| frame.as_ref()[vertex])
+    });
+    let bounds = Aabb::around(positions);
     if triangles.is_empty() {
         return Ok(());
     }

@@ -273,7 +273,7 @@ impl Segment {
                 cluster.tree.byte_count() + boxes + size_of::<ClusterBoneRow>()
             })
             .sum();
-        let positions = self.stored.words.len() * size_of::<u32>() + self.stored.rows.len() * size_of::<KeyVertexRow>();
+        let positions = size_of_val(self.stored.words()) + self.stored.rows.len() * size_of::<KeyVertexRow>();
         (size_of::<SegmentRow>() + self.clusters.len() * per_cluster + trees + positions) as u64
     }
 }

@@ -1,5 +1,5 @@
 use super::key_track::KeyTrack;
-use crate::BakeError;
+use crate::{BakeError, assemble::row_count};
 use rayon::prelude::*;
 use restpose_formats::rows::KeyVertexRow;
 
@@ -16,21 +16,21 @@ pub(crate) enum Home {
 pub(crate) struct StoredPositions {
     /// Step of each cluster's lattice, whose zero is the origin of local space.
     pub steps: Vec<f32>,
-    /// Per vertex; `track` counts clusters, with their number for the track without keys. `word_first` counts from
-    /// `words`.
+    /// Per vertex; `track` counts clusters, with their number for the track without keys.
     pub rows: Vec<KeyVertexRow>,
-    /// Without the closing words.
-    pub words: Vec<u32>,
+    pub words_per_key: u32,
+    /// Key by key, and closing ones.
+    words: Vec<u32>,
     /// Greatest distance between a stored position and the source's, in the cache's space, rounding included.
     pub error: f64,
     /// Greatest magnitude that enters a position when it is decoded.
     pub reach: f64,
 }
 
-/// One vertex's part of [`StoredPositions`].
-struct Encoded {
+/// How one vertex is stored.
+struct Encoding {
+    /// Its `bit_first` is not known yet.
     row: KeyVertexRow,
-    words: Vec<u32>,
     error: f64,
     reach: f64,
 }
@@ -50,7 +50,7 @@ impl StoredPositions {
         budget: f64,
     ) -> Result<Self, BakeError> {
         let steps: Vec<f32> = tracks.iter().map(|track| lattice_step(track, budget)).collect();
-        let encoded: Vec<Encoded> = homes
+        let encodings: Vec<Encoding> = homes
             .par_iter()
             .enumerate()
             .map(|(vertex, home)| {
@@ -68,18 +68,44 @@ impl StoredPositions {
         let mut out = Self {
             steps,
             rows: Vec::with_capacity(homes.len()),
+            words_per_key: 0,
             words: Vec::new(),
             error: 0.0,
             reach: 0.0,
         };
-        for mut vertex in encoded {
-            vertex.row.word_first = crate::assemble::row_count("key words", out.words.len())?;
-            out.rows.push(vertex.row);
-            out.words.extend(vertex.words);
+        let mut bits = 0;
+        for vertex in encodings {
+            let bit_first = row_count("bits of a key's positions", bits)?;
+            bits += vertex.row.record_bits() as usize;
+            out.rows.push(KeyVertexRow {
+                bit_first,
+                ..vertex.row
+            });
             out.error = out.error.max(vertex.error);
             out.reach = out.reach.max(vertex.reach);
         }
+        let per_key = bits.div_ceil(32);
+        out.words_per_key = row_count("words of a key's positions", per_key)?;
+        out.words = vec![0; per_key * frames.len() + KeyVertexRow::CLOSING_WORDS];
+        if per_key != 0 {
+            let words = out.words[..per_key * frames.len()].par_chunks_exact_mut(per_key);
+            words.zip(frames).enumerate().for_each(|(key, (words, frame))| {
+                pack(words, &out.rows, frame.as_ref(), |cluster, position| {
+                    lattice_coordinates(&tracks[cluster], out.steps[cluster], key, position)
+                });
+            });
+        }
         Ok(out)
+    }
+
+    /// Without those that close them.
+    pub(crate) fn words(&self) -> &[u32] {
+        &self.words[..self.words.len() - KeyVertexRow::CLOSING_WORDS]
+    }
+
+    /// The words of a key, and all that follow.
+    pub(crate) fn key_words(&self, key: usize) -> &[u32] {
+        &self.words[key * self.words_per_key as usize..]
     }
 
     /// True when some vertex is stored as it is in the source.
@@ -95,29 +121,12 @@ impl StoredPositions {
         key: usize,
     ) -> [f64; 3] {
         let row = &self.rows[vertex];
-        let stored = stored(row, &self.words, key);
+        let stored = row.stored(self.key_words(key)).map(f64::from);
         match tracks.get(row.track as usize) {
             Some(track) => lattice_point(track.borrow(), key, f64::from(self.steps[row.track as usize]), stored),
             None => stored,
         }
     }
-}
-
-/// [`KeyVertexRow::stored`] on words that are not closed yet.
-fn stored(row: &KeyVertexRow, words: &[u32], key: usize) -> [f64; 3] {
-    let first = row.word_first as usize + key * row.record_bits() as usize / 32;
-    let window: [u32; 3] = std::array::from_fn(|k| words.get(first + k).copied().unwrap_or(0));
-    let bit = key as u64 * u64::from(row.record_bits()) % 32;
-    let row = KeyVertexRow { word_first: 0, ..*row };
-    if row.raw != 0 {
-        return window.map(|word| f64::from(f32::from_bits(word)));
-    }
-    let mut record = (0..3).fold(0u128, |all, k| all | u128::from(window[k]) << (32 * k)) >> bit;
-    std::array::from_fn(|k| {
-        let number = (record & ((1 << row.widths[k]) - 1)) as i64;
-        record >>= row.widths[k];
-        (i64::from(row.base[k]) + number) as f64
-    })
 }
 
 /// A lattice point in the cache's space.
@@ -158,24 +167,24 @@ fn greatest_stretch(linear: glam::DMat3) -> f64 {
 }
 
 /// A vertex whose positions are the source's. `track` is the one without keys.
-fn as_it_is(track: u32, positions: impl Iterator<Item = [f32; 3]>) -> Encoded {
-    let words: Vec<u32> = positions.flatten().map(f32::to_bits).collect();
-    let reach = words
-        .iter()
-        .fold(0.0f64, |far, word| far.max(f64::from(f32::from_bits(*word).abs())));
-    let row = KeyVertexRow {
-        base: [0; 3],
-        track,
-        word_first: 0,
-        widths: [0; 3],
-        raw: 1,
-    };
-    Encoded {
-        row,
-        words,
+fn as_it_is(track: u32, positions: impl Iterator<Item = [f32; 3]>) -> Encoding {
+    Encoding {
+        row: KeyVertexRow {
+            base: [0; 3],
+            track,
+            bit_first: 0,
+            widths: [0; 3],
+            raw: 1,
+        },
         error: 0.0,
-        reach,
+        reach: positions.flatten().fold(0.0, |far, x| f64::max(far, x.abs().into())),
     }
+}
+
+/// The point of a track's lattice that is next to a position at a key; not a number where the map has no inverse.
+fn lattice_coordinates(track: &KeyTrack, step: f32, key: usize, position: [f32; 3]) -> [f64; 3] {
+    let local = track.local(key, position.map(f64::from));
+    local.map(|x| (x / f64::from(step)).round())
 }
 
 /// A vertex on its lattice, unless it lies beyond that, needs too many bits or misses the budget.
@@ -185,18 +194,16 @@ fn on_lattice(
     track: &KeyTrack,
     step: f32,
     budget: f64,
-) -> Option<Encoded> {
+) -> Option<Encoding> {
     if step == 0.0 {
         return None;
     }
-    let step = f64::from(step);
     let limit = f64::from(KeyVertexRow::MAX_COORDINATE);
-    let mut coordinates: Vec<[i32; 3]> = Vec::with_capacity(positions.size_hint().0);
+    let (mut least, mut most) = ([i32::MAX; 3], [i32::MIN; 3]);
     let (mut error, mut reach) = (0.0f64, 0.0f64);
     for (key, position) in positions.enumerate() {
-        let position = position.map(f64::from);
-        let local = track.local(key, position);
-        let rounded = local.map(|x| (x / step).round());
+        let rounded = lattice_coordinates(track, step, key, position);
+        let (step, position) = (f64::from(step), position.map(f64::from));
         // A NaN fails the comparison.
         if !rounded.iter().all(|x| x.abs() <= limit) {
             return None;
@@ -215,14 +222,13 @@ fn on_lattice(
             square += off * off;
         }
         error = error.max(square.sqrt());
-        coordinates.push(rounded.map(|x| x as i32));
+        for k in 0..3 {
+            least[k] = least[k].min(rounded[k] as i32);
+            most[k] = most[k].max(rounded[k] as i32);
+        }
     }
-    let least = |k: usize| coordinates.iter().map(|c| c[k]).min().unwrap_or(0);
-    let base = [least(0), least(1), least(2)];
-    let widths: [u8; 3] = std::array::from_fn(|k| {
-        let most = coordinates.iter().map(|c| c[k]).max().unwrap_or(0);
-        (32 - (most - base[k]).leading_zeros()) as u8
-    });
+    let base = least;
+    let widths: [u8; 3] = std::array::from_fn(|k| (32 - (most[k] - base[k]).leading_zeros()) as u8);
     let fits = (0..3).all(|k| {
         widths[k] <= KeyVertexRow::MAX_WIDTH
             && i64::from(base[k]) + (1i64 << widths[k]) - 1 <= i64::from(KeyVertexRow::MAX_COORDINATE)
@@ -233,37 +239,46 @@ fn on_lattice(
     let row = KeyVertexRow {
         base,
         track: cluster,
-        word_first: 0,
+        bit_first: 0,
         widths,
         raw: 0,
     };
-    Some(Encoded {
-        row,
-        words: pack(&row, &coordinates),
-        error,
-        reach,
-    })
+    Some(Encoding { row, error, reach })
 }
 
-/// The records of one vertex, low bits first.
-fn pack(row: &KeyVertexRow, coordinates: &[[i32; 3]]) -> Vec<u32> {
-    let mut words = Vec::with_capacity(row.word_count(coordinates.len() as u32) as usize);
-    let (mut pending, mut bits) = (0u128, 0);
-    for point in coordinates {
-        for k in 0..3 {
-            pending |= ((point[k] - row.base[k]) as u128) << bits;
-            bits += u32::from(row.widths[k]);
-        }
-        while bits >= 32 {
-            words.push(pending as u32);
+/// Writes the records of one key, low bits first. `coordinates` gives a position's on the lattice of a cluster.
+fn pack(
+    words: &mut [u32],
+    rows: &[KeyVertexRow],
+    positions: &[[f32; 3]],
+    coordinates: impl Fn(usize, [f32; 3]) -> [f64; 3],
+) {
+    let mut words = words.iter_mut();
+    let (mut pending, mut bits) = (0u64, 0);
+    let mut put = |number: u32, width: u32| {
+        pending |= u64::from(number) << bits;
+        bits += width;
+        if bits >= 32 {
+            if let Some(word) = words.next() {
+                *word = pending as u32;
+            }
             pending >>= 32;
             bits -= 32;
         }
+    };
+    for (row, position) in rows.iter().zip(positions) {
+        if row.raw != 0 {
+            position.iter().for_each(|x| put(x.to_bits(), 32));
+            continue;
+        }
+        let point = coordinates(row.track as usize, *position);
+        for k in 0..3 {
+            put((point[k] as i32 - row.base[k]) as u32, row.widths[k].into());
+        }
     }
-    if bits > 0 {
-        words.push(pending as u32);
+    if let Some(word) = words.next() {
+        *word = pending as u32;
     }
-    words
 }
 
 #[cfg(test)]
@@ -315,15 +330,11 @@ mod tests {
     fn finer_budgets_take_more_words_and_no_budget_is_exact() {
         let (frames, tracks) = (frames(20, 10), tracks(20));
         let homes = vec![Home::Cluster(0); 10];
-        let words = |budget| {
-            StoredPositions::new(&frames, &tracks, &homes, budget)
-                .unwrap()
-                .words
-                .len()
-        };
+        let stored = |budget| StoredPositions::new(&frames, &tracks, &homes, budget).unwrap();
+        let words = |budget| stored(budget).words().len();
         assert!(words(1e-1) < words(1e-3) && words(1e-3) < words(0.0));
-        let exact = StoredPositions::new(&frames, &tracks, &homes, 0.0).unwrap();
-        assert_eq!((exact.words.len(), exact.error), (20 * 10 * 3, 0.0));
+        let exact = stored(0.0);
+        assert_eq!((exact.words().len(), exact.error), (20 * 10 * 3, 0.0));
         assert_eq!(exact.position(&tracks, 7, 13), frames[13][7].map(f64::from));
     }
 
@@ -345,6 +356,6 @@ mod tests {
         let point = |key: usize| tracks[0].maps()[key].transform_point([1.0, 2.0, 3.0]);
         let frames: Vec<Vec<[f32; 3]>> = (0..30).map(|key| vec![point(key)]).collect();
         let stored = StoredPositions::new(&frames, &tracks, &[Home::Cluster(0)], 1e-3).unwrap();
-        assert!(stored.words.is_empty(), "{:?}", stored.rows[0].widths);
+        assert!(stored.words().is_empty(), "{:?}", stored.rows[0].widths);
     }
 }

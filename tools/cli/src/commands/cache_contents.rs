@@ -74,7 +74,7 @@ fn segment_contents(segment: &SegmentRow) -> SegmentContents {
 /// Bytes of the rows that say where the vertices' numbers are, and of these numbers.
 fn position_bytes(model: &ModelView<'_>, segment: &SegmentRow, vertices: u32) -> u64 {
     let rows = rows(model.key_vertices, segment.key_vertex_first, vertices);
-    let words: u64 = rows.iter().map(|row| row.word_count(segment.key_count)).sum();
+    let words = u64::from(segment.words_per_key) * u64::from(segment.key_count);
     size_of_val(rows) as u64 + size_of::<u32>() as u64 * words
 }
 

@@ -104,7 +104,8 @@ mod tests {
             cluster_first,
             cluster_count,
             key_vertex_first: 0,
-            reserved: 0,
+            word_first: 0,
+            words_per_key: 0,
         }
     }
 
