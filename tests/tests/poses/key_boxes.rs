@@ -94,7 +94,7 @@ fn passed(model: &ModelView, keys: usize, times: &[f32]) -> (BTreeSet<(u32, Pass
 #[test]
 fn what_is_below_a_box_is_in_it_at_every_time() {
     let (mut looked, mut in_segments) = (0, 0);
-    for seed in 0..12 {
+    for seed in 0..14 {
         for (motion, frames) in Motion::ALL.chunks(1).zip([7, 10, 5, 12].iter().cycle()) {
             for size_worth in [0.0, 0.3, 1.0] {
                 let model = baked(&animation(seed, *frames, motion), size_worth);
