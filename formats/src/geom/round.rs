@@ -16,25 +16,37 @@ pub fn gamma(n: u32) -> f64 {
 }
 
 /// The largest `f32` that is not above `x`. NaN stays NaN.
+#[inline]
 #[must_use]
 pub fn f32_below(x: f64) -> f32 {
     let nearest = x as f32;
-    if f64::from(nearest) > x {
-        nearest.next_down()
-    } else {
-        nearest
-    }
+    of_rank(rank(nearest) - i32::from(f64::from(nearest) > x))
 }
 
 /// The smallest `f32` that is not below `x`. NaN stays NaN.
+#[inline]
 #[must_use]
 pub fn f32_above(x: f64) -> f32 {
     let nearest = x as f32;
-    if f64::from(nearest) < x {
-        nearest.next_up()
-    } else {
-        nearest
-    }
+    of_rank(rank(nearest) + i32::from(f64::from(nearest) < x))
+}
+
+/// Rises by one from each `f32` to the next. Which way numbers were rounded is as good as random, so a branch on that costs more
+/// than all of this.
+#[inline]
+fn rank(x: f32) -> i32 {
+    flip_if_negative(x.to_bits().cast_signed())
+}
+
+#[inline]
+fn of_rank(rank: i32) -> f32 {
+    f32::from_bits(flip_if_negative(rank).cast_unsigned())
+}
+
+/// Turns the order of the negative numbers round; its own inverse.
+#[inline]
+fn flip_if_negative(bits: i32) -> i32 {
+    bits ^ ((bits >> 31) & i32::MAX)
 }
 
 #[cfg(test)]
@@ -51,6 +63,31 @@ mod tests {
                 below == above || below.next_up() == above,
                 "{x}: {below} {above} are not neighbours"
             );
+        }
+    }
+
+    #[test]
+    fn directed_conversion_takes_the_neighbour_or_none() {
+        let special = [
+            0,
+            1,
+            0x007F_FFFF,
+            0x0080_0000,
+            0x3F80_0000,
+            0x7F7F_FFFF,
+            0x7F80_0000,
+            0x7FC0_0000,
+        ];
+        let numbers = special.into_iter().chain((0..1 << 31).step_by(40_009));
+        for bits in numbers.flat_map(|bits| [bits, bits | 1 << 31]) {
+            let exact = f32::from_bits(bits);
+            let wide = f64::from(exact);
+            assert_eq!(f32_below(wide).to_bits(), exact.to_bits());
+            assert_eq!(f32_above(wide).to_bits(), exact.to_bits());
+            if exact.is_finite() {
+                assert_eq!(f32_below(wide.next_down()).to_bits(), exact.next_down().to_bits());
+                assert_eq!(f32_above(wide.next_up()).to_bits(), exact.next_up().to_bits());
+            }
         }
     }
 
