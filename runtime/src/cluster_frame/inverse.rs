@@ -15,23 +15,47 @@ const SCALE_LIMIT: f64 = (1u64 << 60) as f64;
 ///
 /// The baker asks the same function which samples bound a cluster's boxes, so baker and runtime agree on which poses
 /// the tree serves; for the others the runtime refits the tree.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn invert_frame(frame: &Affine) -> Option<[[f64; 3]; 3]> {
-    let [c0, c1, c2] = [0, 1, 2].map(|k: usize| frame.columns[k].map(f64::from));
-    let cross = |a: [f64; 3], b: [f64; 3]| {
-        [
-            a[1] * b[2] - a[2] * b[1],
-            a[2] * b[0] - a[0] * b[2],
-            a[0] * b[1] - a[1] * b[0],
-        ]
-    };
-    let rows = [cross(c1, c2), cross(c2, c0), cross(c0, c1)];
-    let determinant = c0[0] * rows[0][0] + c0[1] * rows[0][1] + c0[2] * rows[0][2];
-    let inverse = rows.map(|row| row.map(|x| x / determinant));
-    let norm = |m: [[f64; 3]; 3]| m.iter().flatten().map(|x| x * x).sum::<f64>().sqrt();
-    let (forward, backward) = (norm([c0, c1, c2]), norm(inverse));
-    let usable =
-        frame.is_finite() && forward * backward <= CONDITION_LIMIT && forward <= SCALE_LIMIT && backward <= SCALE_LIMIT;
+    let [c0, c1, c2, _] = frame.columns;
+    let [c0, c1, c2] = [widen(c0), widen(c1), widen(c2)];
+    let mut inverse = [cross(c1, c2), cross(c2, c0), cross(c0, c1)];
+    let determinant = c0[0] * inverse[0][0] + c0[1] * inverse[0][1] + c0[2] * inverse[0][2];
+    let scale = 1.0 / determinant;
+    for x in inverse.as_flattened_mut() {
+        *x *= scale;
+    }
+    let (forward, backward) = (squared_norm(&[c0, c1, c2]), squared_norm(&inverse));
+    let usable = frame.is_finite()
+        && forward * backward <= CONDITION_LIMIT * CONDITION_LIMIT
+        && forward <= SCALE_LIMIT * SCALE_LIMIT
+        && backward <= SCALE_LIMIT * SCALE_LIMIT;
     usable.then_some(inverse)
+}
+
+/// As `map`, which compilers leave a call.
+#[inline(always)]
+fn widen([x, y, z]: [f32; 3]) -> [f64; 3] {
+    [f64::from(x), f64::from(y), f64::from(z)]
+}
+
+#[inline(always)]
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+#[inline(always)]
+fn squared_norm(m: &[[f64; 3]; 3]) -> f64 {
+    let mut sums = [0.0; 3];
+    for row in m {
+        for k in 0..3 {
+            sums[k] += row[k] * row[k];
+        }
+    }
+    sums[0] + sums[1] + sums[2]
 }

@@ -20,13 +20,13 @@ impl LatticeRay {
     /// `steps` are those of [`restpose_formats::rows::box_steps`]; planes may be a fourteenth of the lattice beyond its ends, as
     /// those between two keys. Along an axis where a plane's `t` could overflow, or
     /// its rate is so small that rounding is no longer relative to it, boxes restrict nothing.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn new(ray: &SlabRay, bounds: &Aabb, steps: &[f32; 3]) -> Self {
         Self::within(ray, bounds.min, *steps, f32::from(u16::MAX))
     }
 
     /// As [`LatticeRay::new`], for planes that are up to so many steps from the lattice's zero.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn within(ray: &SlabRay, zero: [f32; 3], steps: [f32; 3], most_steps: f32) -> Self {
         let forward = ray.inverse_direction.map(f32::is_sign_positive);
         let plane = |k: usize, towards_max: bool| {

@@ -125,7 +125,7 @@ impl LocalFrame {
 
     /// The ray in local space, with this cluster's margin for it, and the margin for boxes that follow the pose. `t` is the
     /// same in both spaces. The direction's longest component is at least one (point 6).
-    #[inline]
+    #[inline(always)]
     pub(crate) fn enter(&self, origin: [f32; 3], direction: [f32; 3], bounds_world: &Aabb) -> (SlabRay, [f32; 3]) {
         debug_assert!(direction.iter().any(|d| d.abs() >= 1.0), "{direction:?}");
         let from_center: [f32; 3] = std::array::from_fn(|k| origin[k] - self.center_world[k]);

@@ -20,16 +20,17 @@ pub(crate) fn refit(nodes: &mut [WideNode], leaf_box: impl Fn(u32) -> Aabb) {
 }
 
 fn refit_node(nodes: &mut [WideNode], at: usize, leaf_box: &impl Fn(u32) -> Aabb) {
-    let mut node = nodes[at];
+    let Some(([.., node], behind)) = nodes.split_at_mut_checked(at + 1) else {
+        return;
+    };
     for place in 0..8 {
         let bounds = match WideChild::unpack(node.children[place]) {
             WideChild::Empty => Aabb::EMPTY,
-            WideChild::Node(child) => nodes[child as usize].around(),
+            WideChild::Node(child) => behind[child as usize - at - 1].around(),
             WideChild::Leaf(leaf) => leaf_box(leaf),
         };
         node.set_bounds(place, &bounds);
     }
-    nodes[at] = node;
 }
 
 /// [`refit`] for leaves that are triangle rows, whose corners are in `positions`, by vertex row. A triangle of which a
