@@ -63,9 +63,9 @@ pub enum RowFault {
     RangeNotContiguous {
         /// Field.
         field: &'static str,
-        /// First row.
+        /// First row, or bit.
         found: u64,
-        /// First row that is allowed.
+        /// First one that is allowed.
         expected: u64,
     },
     /// A range has the wrong number of rows.

@@ -40,11 +40,11 @@ fn check_cluster(
     // Beside kd-trees there are no such rows, so these are a wide tree's nodes.
     let nodes = &view.wide_nodes[cluster.node_first as usize..][..cluster.node_count as usize];
     let empty: Vec<[u8; 8]> = nodes.iter().map(empty_places).collect();
-    for (at, empty) in rows.zip(empty.into_iter().cycle()) {
+    for (at, empty) in rows.zip(empty.iter().cycle()) {
         let listed = &view.key_boxes[at];
         // A file may have more of these rows than of all others, so which place is wrong is asked only of a row that is.
-        if !is_right(listed, empty) {
-            check_row(listed, empty).map_err(|fault| row(SectionKind::KeyBoxes, at, fault))?;
+        if !is_right(listed, *empty) {
+            check_row(listed, *empty).map_err(|fault| row(SectionKind::KeyBoxes, at, fault))?;
         }
     }
     Ok(())

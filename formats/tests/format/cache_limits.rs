@@ -105,6 +105,24 @@ fn segments_without_clusters_do_not_cost_as_much_as_their_part_has_triangles() {
 }
 
 #[test]
+fn keys_without_words_cost_nothing_however_many_there_are() {
+    // All vertices stay at one place, in so many keys that looking at each would take seconds.
+    let mut m = model();
+    m.caches[0].key_count = u32::MAX;
+    let segment = &mut m.segments[0];
+    (segment.key_count, segment.words_per_key) = (u32::MAX, 0);
+    for vertex in &mut m.key_vertices[..3] {
+        (vertex.raw, vertex.bit_first) = (0, 0);
+    }
+    m.key_words.drain(..9);
+    for segment in &mut m.segments[1..] {
+        segment.word_first -= 9;
+    }
+    (m.cluster_bones[5].bounds.min, m.cluster_bones[5].bounds.max) = ([0.0; 3], [0.0; 3]);
+    assert_eq!(write(&m).err(), None);
+}
+
+#[test]
 fn a_long_vertex_in_many_clusters_is_looked_at_once() {
     // Its words once per cluster would take 2^34 steps.
     const COUNT: u32 = 1 << 17;

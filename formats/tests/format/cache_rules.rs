@@ -219,7 +219,7 @@ rules! {
         |m| { without_caches(m); m.segments.clear(); m.tracks.clear(); m.keys.clear(); m.key_vertices.clear(); m.clusters.truncate(3); }
         => RowCount { section: KeyWords, expected: 0, .. },
     raw_positions_are_finite:
-        |m| m.key_words[7] = f32::NAN.to_bits() => at!(KeyVertices, 2, NotFinite { field: "position", .. }),
+        |m| m.key_words[7] = f32::NAN.to_bits() => at!(KeyWords, 6, NotFinite { field: "position", .. }),
     there_are_no_bits_behind_the_last_record:
         |m| {
             let bits: u32 = m.key_vertices[3..8].iter().map(|row| row.record_bits()).sum();

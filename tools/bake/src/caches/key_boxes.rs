@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 pub(crate) struct KeyBoxes {
     /// Keys from one that has boxes to the next; 0 where none has any.
     pub interval: u32,
-    /// Those of a node together, by keys.
+    /// Those of a key together, by nodes.
     pub rows: Vec<KeyBoxRow>,
     /// Expected steps of a ray that meets the tree's bounds, mean over the keys that have boxes; without any, over the whole
     /// segment.

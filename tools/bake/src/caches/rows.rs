@@ -108,10 +108,10 @@ fn add_positions(model: &mut Model, stored: &StoredPositions, track_first: u32) 
         track: track_first + row.track,
         ..*row
     });
+    row_count("key vertices", model.key_vertices.len() + rows.len())?;
+    row_count("key words", model.key_words.len() + stored.words().len())?;
     model.key_vertices.extend(rows);
     model.key_words.extend_from_slice(stored.words());
-    row_count("key vertices", model.key_vertices.len())?;
-    row_count("key words", model.key_words.len())?;
     Ok(())
 }
 

@@ -86,6 +86,7 @@ impl StoredPositions {
         }
         let per_key = bits.div_ceil(32);
         out.words_per_key = row_count("words of a key's positions", per_key)?;
+        row_count("key words", per_key.saturating_mul(frames.len()))?;
         out.words = vec![0; per_key * frames.len() + KeyVertexRow::CLOSING_WORDS];
         if per_key != 0 {
             let words = out.words[..per_key * frames.len()].par_chunks_exact_mut(per_key);
