@@ -37,7 +37,8 @@ pub struct ClusterBounds {
     /// By how much its boxes are widened, per local axis in rest space, for a pose outside the pose space that they were
     /// made for; inside it is what rounding adds, and zero with sampled bounds.
     pub excess: [f64; 3],
-    /// Whether the cluster has a local space in this pose: false where its frame has no usable inverse, and in free motion.
+    /// Whether the cluster has a local space in this pose: false where its frame has no usable inverse, between two keys
+    /// where a cluster of a vertex cache turns over or collapses, and in free motion.
     pub has_inverse: bool,
 }
 

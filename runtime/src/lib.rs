@@ -20,8 +20,8 @@
 //!
 //! # What a frame costs
 //!
-//! What its rays touch. A commit bounds the instances that changed, by their clips' boxes in the file or by their palettes,
-//! and refits or builds the tree over all. The first ray that enters an instance poses its bones and bounds its clusters, the first that
+//! What its rays touch. A commit bounds the instances that changed, by their clips' boxes in the file, by their palettes, or by
+//! the tracks of their vertex caches, and refits or builds the tree over all. The first ray that enters an instance poses its bones and bounds its clusters, the first that
 //! enters a cluster inverts its matrix and measures its pose; in its tree boxes follow the pose as rays come by, and a ray that
 //! reaches a triangle poses its vertices. Where many rays come, all vertices are posed and the tree is refitted, once
 //! ([`Posing`]). Threads do so side by side without waiting; hits do not depend on any of it. [`FrameStats`] says what was

@@ -1,6 +1,8 @@
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// How the triangles of an instance are posed for rays. Hits do not depend on it, only time and memory do.
+///
+/// Rays at a time after the begin of an interval in which the instance [moves](crate::Scene::set_motion) always recompute.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Posing {
     /// As the rays come: at first a triangle is posed when a ray reaches it, and from some number of rays on the whole

@@ -213,10 +213,11 @@ impl Scene {
 
     /// Poses an instance by a clip at a time in seconds. Times outside the clip give its first or last pose.
     ///
-    /// Complexity: constant. The clip is evaluated when a ray needs it.
+    /// Complexity: constant. The clip is evaluated when a ray needs it, or at the commit where the asset has vertex caches or the
+    /// file does not bound the clip.
     ///
     /// # Errors
-    /// [`PoseError::UnknownInstance`], [`PoseError::UnknownClip`], [`PoseError::TimeNotFinite`].
+    /// [`PoseError::UnknownInstance`], [`PoseError::NoAsset`], [`PoseError::UnknownClip`], [`PoseError::TimeNotFinite`].
     pub fn play(&mut self, instance: InstanceId, clip: usize, seconds: f32) -> Result<(), PoseError> {
         let state = self.asset_instance_mut(instance)?;
         check_clip(state.asset().model(), clip, seconds)?;
@@ -230,7 +231,7 @@ impl Scene {
     /// Poses an instance as its source stands without any clip.
     ///
     /// # Errors
-    /// [`PoseError::UnknownInstance`].
+    /// [`PoseError::UnknownInstance`], [`PoseError::NoAsset`].
     pub fn set_default_pose(&mut self, instance: InstanceId) -> Result<(), PoseError> {
         self.asset_instance_mut(instance)?.set_pose(PoseSource::Default);
         self.mark(instance.index);
@@ -407,7 +408,7 @@ impl Scene {
     /// Complexity: constant per changed instance where its file bounds its clip, else per bone; per cluster where it has
     /// vertex caches, per triangle in free motion and for supplied geometry, whose trees are built now. On all cores
     /// (feature `parallel`). Allocates nothing once its buffers have grown to the scene, but for the tasks in which such
-    /// trees are built.
+    /// trees are built and for instances that [move](Scene::set_motion).
     pub fn commit(&mut self) -> Frame<'_> {
         if self.changed.is_empty() {
             return Frame { scene: self };

@@ -3,13 +3,14 @@ use crate::{
     prepared::{ClusterState, Prepared},
 };
 
-/// What one frame holds, and what rays have needed of it so far: what no ray has reached is not prepared, and not
-/// counted. [`Frame::prepare`](crate::Frame::prepare) prepares everything.
+/// What one frame holds, and what has been needed of it so far: by rays, by calls that ask for vertices, triangles or clusters,
+/// and by the commit, which prepares instances with vertex caches and those whose clip the file does not bound. What nobody has
+/// reached is not prepared, and not counted. [`Frame::prepare`](crate::Frame::prepare) prepares everything.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameStats {
     /// Instances in the scene.
     pub instances: u32,
-    /// Instances of assets that rays have entered since their pose or place changed.
+    /// Instances of assets that were prepared since their pose or place changed.
     pub instances_entered: u32,
     /// Of these, those whose vertices are remembered.
     pub instances_remembered: u32,

@@ -23,8 +23,9 @@ const MOST_PARTS: u32 = 64;
 /// How far from the middle of a part N may grow before the part is halved, as h·‖N‖. Smaller is tighter and slower.
 const PART_GROWTH: f64 = 0.125;
 
-/// 2⁻³⁰: covers the rounding of N in `f64`, from stored maps with a condition number of at most 2¹⁶.
-const BEND_ROUNDING: f64 = 1.0 / (1u64 << 30) as f64;
+/// 2⁻²⁴: covers the rounding of N in `f64`. From stored maps with a condition number of at most 2¹⁶, E is off by less than
+/// 2⁻³⁴, and N by that times (1 + ‖N‖)², of at most (1 + [`MOST_BEND`])².
+const BEND_ROUNDING: f64 = 1.0 / (1u64 << 24) as f64;
 
 /// 2⁻⁴⁸: rounding of a fuzzy position in `f64`, relative to the magnitudes that enter it: under 32 roundings of 2⁻⁵³.
 const F64_ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;

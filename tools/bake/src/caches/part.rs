@@ -121,6 +121,7 @@ fn add_cache(
     if class.class == MotionClass::Free {
         rows::add_free(model, cache, &keys.frames, &triangles, settings.tree)?;
         report.bytes = (vertex_count * (12 * keys.frames.len() + size_of::<KeyVertexRow>())) as u64;
+        report.bytes_per_vertex_key = report.bytes as f64 / (vertex_count * keys.frames.len()) as f64;
     } else {
         rows::add_coherent(model, cache, &segments, &triangles)?;
         rest_key = segments[0].rest_key;

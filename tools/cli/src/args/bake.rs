@@ -17,7 +17,7 @@ pub struct BakeArgs {
     /// File to write; its name ends in .rpose and its folder exists
     #[arg(short, long, value_name = "OUT.rpose")]
     pub output: PathBuf,
-    /// Do nothing when OUT was already made from the same source with the same options [default: off]
+    /// Do nothing when OUT was already made by this version from the same source with the same options [default: off]
     #[arg(long)]
     pub if_changed: bool,
 
