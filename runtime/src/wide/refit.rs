@@ -57,6 +57,8 @@ pub(crate) fn refit_triangles(
 #[inline(always)]
 fn refit_triangles_with<S: Lanes>(simd: S, nodes: &mut [WideNode], triangles: &[TriangleRow], positions: &[[f32; 3]]) {
     let empty = simd.join(simd.splat4(f32::INFINITY), simd.splat4(f32::NEG_INFINITY));
+    // Memory takes the time, and most of that the nodes: to ask for rows and corners a few nodes ahead took 2 % more for 1.35 million
+    // triangles, 40 % more for 9,000.
     for at in (0..nodes.len()).rev() {
         // Lanes of a box: its least corner, nothing, its greatest corner, nothing.
         let mut boxes = [empty; 8];
