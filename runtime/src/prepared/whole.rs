@@ -15,7 +15,8 @@ pub(crate) struct Whole {
     /// Leaves are triangle rows. Empty where the file has kd-trees, which are refitted one by one, and where parts are in
     /// free motion, whose trees are over posed triangles anyway.
     pub nodes: Vec<WideNode>,
-    roots: Vec<u32>,
+    /// Cluster rows whose trees `nodes` holds, and where each has its root; behind as many nodes for the tree above them.
+    clusters: Vec<(u32, u32)>,
 }
 
 impl Whole {
@@ -25,29 +26,35 @@ impl Whole {
         let model = asset.model();
         if model.meta.tree != TreeKind::Wide || !prepared.trees.is_empty() {
             self.nodes.clear();
+            self.clusters.clear();
             return;
         }
-        // Without vertex caches there is one topology.
-        if self.nodes.is_empty() || !model.caches.is_empty() {
-            self.join(prepared, asset);
-        }
+        self.join(prepared, asset);
         refit_triangles(SimdLevel::detect(), &mut self.nodes, model.triangles, &self.positions);
     }
 
-    /// Joins the topologies.
+    /// Joins the topologies: those of the clusters, where other ones were joined last time, and the one above them, which in an
+    /// asset with vertex caches is another in each pose.
     fn join(&mut self, prepared: &Prepared, asset: &Asset) {
-        let top = prepared.top_level.nodes();
-        self.nodes.clear();
-        self.nodes.extend_from_slice(top);
-        self.roots.clear();
-        for cluster in &prepared.clusters {
-            let rows = asset.wide_nodes(cluster.row);
-            self.roots.push(append_rows(&mut self.nodes, rows, WideChild::Leaf));
+        let rows = prepared.clusters.iter().map(|cluster| cluster.row);
+        if !rows.clone().eq(self.clusters.iter().map(|(row, _)| *row)) {
+            self.clusters.clear();
+            self.nodes.clear();
+            self.nodes.resize(rows.len(), WideNode::EMPTY);
+            for row in rows {
+                let root = append_rows(&mut self.nodes, asset.wide_nodes(row), WideChild::Leaf);
+                self.clusters.push((row, root));
+            }
         }
-        for node in &mut self.nodes[..top.len()] {
+        let (above, top) = (&mut self.nodes[..self.clusters.len()], prepared.top_level.nodes());
+        // Each of its nodes has two children or more, unless it is the only one.
+        debug_assert!(top.len() <= above.len());
+        above.fill(WideNode::EMPTY);
+        for (node, own) in above.iter_mut().zip(top) {
+            *node = *own;
             for word in &mut node.children {
                 if let WideChild::Leaf(slot) = WideChild::unpack(*word) {
-                    *word = WideChild::Node(self.roots[slot as usize]).pack();
+                    *word = WideChild::Node(self.clusters[slot as usize].1).pack();
                 }
             }
         }
