@@ -9,3 +9,4 @@ mod many_poses;
 mod shattering_vase;
 mod structure_choice;
 mod supplied_geometry;
+mod wholes_of_caches;
