@@ -83,6 +83,7 @@ impl Affine64 {
     }
 }
 
+/// As `map`, which compilers leave a call.
 #[inline(always)]
 pub(crate) fn wide([x, y, z]: [f32; 3]) -> [f64; 3] {
     [f64::from(x), f64::from(y), f64::from(z)]

@@ -118,9 +118,7 @@ impl CacheState {
         let part: &PartRow = &model.parts[cache.part as usize];
         self.time = Some(time);
         self.key_vertex_shift = segment.key_vertex_first.wrapping_sub(part.vertex_first);
-        self.words = time
-            .keys
-            .map(|key| segment.word_first as usize + key as usize * segment.words_per_key as usize);
+        self.words = time.keys.map(|key| segment.first_word(key));
         self.track_first = segment.track_first;
         self.tracks.clear();
         let tracks = &model.tracks[segment.track_first as usize..][..segment.track_count as usize];

@@ -9,7 +9,7 @@
 //! ray. What error remains is that of the sheared vertices, [`VERTEX_ERROR`], and of `t`'s rounding to `f32`; the
 //! traversal's margins rest on exactly these two.
 
-use crate::Ray;
+use crate::{Ray, affine64::wide};
 
 /// A hit is an exact hit of the ray with a triangle whose corners are each moved by at most this factor times
 /// `max |corner − origin|∞` per axis.
@@ -79,7 +79,7 @@ impl PreparedRay {
             return None;
         }
 
-        let (a, b, c) = (widen(a), widen(b), widen(c));
+        let (a, b, c) = (wide(a), wide(b), wide(c));
         let u = c[0] * b[1] - c[1] * b[0];
         let v = a[0] * c[1] - a[1] * c[0];
         let w = b[0] * a[1] - b[1] * a[0];
@@ -114,12 +114,6 @@ impl PreparedRay {
             z,
         ]
     }
-}
-
-/// As `map`, which compilers leave a call.
-#[inline(always)]
-fn widen([x, y, z]: [f32; 3]) -> [f64; 3] {
-    [f64::from(x), f64::from(y), f64::from(z)]
 }
 
 #[cfg(test)]

@@ -87,9 +87,8 @@ fn check_words(view: &ModelView<'_>, segment: &Segment<'_>, bits: u64) -> Result
     }
     let is_raw = |at: &usize| view.key_vertices[*at].raw != 0;
     let raw: Vec<usize> = segment.key_vertices().filter(is_raw).collect();
-    let first = segment.row.word_first as usize;
-    for (key, words) in segment.keys(view).enumerate() {
-        let first = first + key * segment.row.words_per_key as usize;
+    for (key, words) in (0..).zip(segment.keys(view)) {
+        let first = segment.row.first_word(key);
         for at in &raw {
             let vertex = &view.key_vertices[*at];
             let position = vertex.stored(words);

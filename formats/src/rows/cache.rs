@@ -46,6 +46,13 @@ pub struct SegmentRow {
 }
 
 impl SegmentRow {
+    /// Row in the key-word section of a key's first word; the key is counted from the segment's first.
+    #[inline]
+    #[must_use]
+    pub fn first_word(&self, key: u32) -> usize {
+        self.word_first as usize + key as usize * self.words_per_key as usize
+    }
+
     /// A key's words, counted from the segment's first key, and all that follow.
     ///
     /// # Panics
@@ -53,7 +60,7 @@ impl SegmentRow {
     #[inline]
     #[must_use]
     pub fn key_words<'a>(&self, words: &'a [u32], key: u32) -> &'a [u32] {
-        &words[self.word_first as usize + key as usize * self.words_per_key as usize..]
+        &words[self.first_word(key)..]
     }
 }
 

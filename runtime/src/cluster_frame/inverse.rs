@@ -1,3 +1,4 @@
+use crate::affine64::wide;
 use restpose_formats::geom::Affine;
 
 /// Cluster frames whose linear part has a greater condition number (Frobenius) are not inverted.
@@ -19,7 +20,7 @@ const SCALE_LIMIT: f64 = (1u64 << 60) as f64;
 #[must_use]
 pub fn invert_frame(frame: &Affine) -> Option<[[f64; 3]; 3]> {
     let [c0, c1, c2, _] = frame.columns;
-    let [c0, c1, c2] = [widen(c0), widen(c1), widen(c2)];
+    let [c0, c1, c2] = [wide(c0), wide(c1), wide(c2)];
     let mut inverse = [cross(c1, c2), cross(c2, c0), cross(c0, c1)];
     let determinant = c0[0] * inverse[0][0] + c0[1] * inverse[0][1] + c0[2] * inverse[0][2];
     let scale = 1.0 / determinant;
@@ -32,12 +33,6 @@ pub fn invert_frame(frame: &Affine) -> Option<[[f64; 3]; 3]> {
         && forward <= SCALE_LIMIT * SCALE_LIMIT
         && backward <= SCALE_LIMIT * SCALE_LIMIT;
     usable.then_some(inverse)
-}
-
-/// As `map`, which compilers leave a call.
-#[inline(always)]
-fn widen([x, y, z]: [f32; 3]) -> [f64; 3] {
-    [f64::from(x), f64::from(y), f64::from(z)]
 }
 
 #[inline(always)]

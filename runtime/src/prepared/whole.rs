@@ -15,7 +15,8 @@ pub(crate) struct Whole {
     /// Leaves are triangle rows. Empty where the file has kd-trees, which are refitted one by one, and where parts are in
     /// free motion, whose trees are over posed triangles anyway.
     pub nodes: Vec<WideNode>,
-    /// Cluster rows whose trees `nodes` holds, and where each has its root; behind as many nodes for the tree above them.
+    /// Cluster rows whose trees `nodes` holds, and where each has its root. Before these trees stand as many nodes as there are
+    /// clusters, for the tree above them.
     clusters: Vec<(u32, u32)>,
 }
 

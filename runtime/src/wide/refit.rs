@@ -20,9 +20,8 @@ pub(crate) fn refit(nodes: &mut [WideNode], leaf_box: impl Fn(u32) -> Aabb) {
 }
 
 fn refit_node(nodes: &mut [WideNode], at: usize, leaf_box: &impl Fn(u32) -> Aabb) {
-    let Some(([.., node], behind)) = nodes.split_at_mut_checked(at + 1) else {
-        return;
-    };
+    let (before, behind) = nodes.split_at_mut(at + 1);
+    let node = &mut before[at];
     for place in 0..8 {
         let bounds = match WideChild::unpack(node.children[place]) {
             WideChild::Empty => Aabb::EMPTY,
