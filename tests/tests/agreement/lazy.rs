@@ -6,7 +6,7 @@ use restpose_bake::{
     verify::{Oracle, Rays},
 };
 use restpose_formats::TreeKind;
-use restpose_runtime::{Affine, Asset, Hit, InstanceId, PoseError, Posing, Ray, Scene};
+use restpose_runtime::{Affine, Asset, Hit, InstanceId, PoseError, Posing, Ray, Scene, TraceCounters};
 use restpose_tests::{baked_with, sample_scenes};
 use std::sync::{Arc, Barrier};
 
@@ -54,6 +54,35 @@ fn pose(scene: &mut Scene, instance: InstanceId, asset: &Asset, random: &mut fas
                 .unwrap();
         }
         _ => scene.play(instance, random.usize(..clips), random.f32() * 2.0).unwrap(),
+    }
+}
+
+/// What a ray has posed no later one poses again, in the same pose, but where nothing is to be kept.
+#[test]
+fn remembered_vertices_are_posed_once_in_a_pose() {
+    for tree in TreeKind::ALL {
+        let asset = asset("walker", tree);
+        let mut scene = Scene::new();
+        let instance = scene.add(&asset);
+        for (posing, is_kept) in [(Posing::Remembered, true), (Posing::Recomputed, false)] {
+            scene.set_posing(instance, posing).unwrap();
+            for seconds in [0.1, 0.4] {
+                scene.play(instance, 0, seconds).unwrap();
+                let frame = scene.commit();
+                let oracle = Oracle::new(&frame, &[instance]);
+                let rays: Vec<Ray> = Rays::new(&oracle, 3).take(200).collect();
+                let posed = || {
+                    let mut counters = TraceCounters::default();
+                    for ray in &rays {
+                        let _ = frame.closest_hit_counted(ray, &mut counters);
+                    }
+                    counters.vertices_posed
+                };
+                let (first, again) = (posed(), posed());
+                assert!(first > 100, "{tree:?}, {posing:?}: {first} vertices");
+                assert_eq!(again, if is_kept { 0 } else { first }, "{tree:?}, {posing:?}");
+            }
+        }
     }
 }
 
