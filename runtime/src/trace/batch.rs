@@ -1,10 +1,10 @@
 use super::{
     TraceContext,
-    context::{FlightContext, PacketContext},
-    flight::Actor,
+    context::{FlightContext, PacketContext, WholeRoom},
     fly::{Departure, IN_FLIGHT, Rays, fly},
     trace,
     traveller::Traveller,
+    whole_tree::WholeTree,
 };
 use crate::{
     Hit, InstanceId, Ray,
@@ -15,6 +15,7 @@ use crate::{
     simd::prefetch,
     wide::{Bundled, GROUP, GroupHits, PACKET, Part, WideStack, walk_together},
 };
+use restpose_formats::rows::TriangleRow;
 use std::cell::Cell;
 
 const _: () = assert!(PACKET == u64::BITS as usize);
@@ -95,7 +96,7 @@ fn trace_packet<const ANY: bool, A: Answer>(
                 travellers,
                 hits,
                 stack,
-                whole_stack,
+                whole: whole_room,
             },
     } = context;
     // What no bundle says otherwise of.
@@ -134,10 +135,10 @@ fn trace_packet<const ANY: bool, A: Answer>(
                 &mut |part, bundled| {
                     match part {
                         Part::Leaf { leaf, groups } => {
-                            bundle.enter_instance::<ANY>(leaf, groups, bundled, whole_stack, flight);
+                            bundle.enter_instance::<ANY>(leaf, groups, bundled, whole_room, flight);
                         }
                         Part::Alone { node, places } => {
-                            bundle.alone::<ANY>(places, bundled, Departure::Scene { node }, flight);
+                            bundle.alone_from::<ANY>(Departure::Scene { node }, places, bundled, flight);
                         }
                     }
                     bundled.is_over()
@@ -172,7 +173,7 @@ impl Bundle<'_> {
         index: u32,
         groups: u32,
         bundled: &mut Bundled,
-        stack: &mut WideStack,
+        room: &mut WholeRoom,
         context: &mut FlightContext,
     ) {
         let scene = self.scene;
@@ -182,20 +183,35 @@ impl Bundle<'_> {
         if let Instance::Asset(instance) = instance {
             let prepared = instance.prepared();
             let whole = prepared.enter(instance.pool()).filter(|whole| !whole.nodes.is_empty());
-            let actor = Actor {
-                id: scene.id(index),
-                asset: instance.asset(),
-                prepared,
-            };
+            let triangles = instance.asset().model().triangles;
             if let Some(whole) = whole
-                && self.enter_whole::<ANY>(actor, whole, bundled, stack, context)
+                && self.enter_whole::<ANY>(
+                    (scene.id(index), whole, triangles),
+                    bundled,
+                    room,
+                    &mut context.stacks[0],
+                )
             {
                 prepared.count_whole(groups.count_ones() * GROUP as u32);
                 return;
             }
         }
         let places = bundled.meeting(scene.simd, groups, &instance.bounds());
-        self.alone::<ANY>(places, bundled, Departure::Instance { index }, context);
+        self.alone_from::<ANY>(Departure::Instance { index }, places, bundled, context);
+    }
+
+    /// Traces rays that part on the way to instances.
+    fn alone_from<const ANY: bool>(
+        &mut self,
+        departure: Departure,
+        places: u64,
+        bundled: &mut Bundled,
+        context: &mut FlightContext,
+    ) {
+        let scene = self.scene;
+        self.alone(places, bundled, |rays: &mut Alone<ANY>| {
+            fly::<ANY, IN_FLIGHT, _, _>(scene, departure, 0.0, rays, context, &mut ());
+        });
     }
 
     /// Traces rays that part.
@@ -203,8 +219,7 @@ impl Bundle<'_> {
         &mut self,
         places: u64,
         bundled: &mut Bundled,
-        departure: Departure<'_>,
-        context: &mut FlightContext,
+        trace: impl FnOnce(&mut Alone<'_, '_, ANY>),
     ) {
         for place in set_bits(places & !self.ready) {
             self.travellers[place] = Traveller::new(&self.rays[place]);
@@ -217,42 +232,41 @@ impl Bundle<'_> {
             bundled,
             cut: 0,
         };
-        fly::<ANY, IN_FLIGHT, _, _>(self.scene, departure, 0.0, &mut alone, context, &mut ());
+        trace(&mut alone);
         let cut = alone.cut;
         if cut != 0 {
             bundled.shorten(self.scene.simd, cut);
         }
     }
 
-    /// False where the rays must go one by one.
+    /// False where the rays must go one by one. The whole is an instance's, and its tree is not empty.
     fn enter_whole<const ANY: bool>(
         &mut self,
-        actor: Actor<'_>,
-        whole: &Whole,
+        (id, whole, triangles): (InstanceId, &Whole, &[TriangleRow]),
         bundled: &mut Bundled,
-        stack: &mut WideStack,
-        context: &mut FlightContext,
+        room: &mut WholeRoom,
+        lone_stack: &mut WideStack,
     ) -> bool {
         let Some(together) = bundled.in_world(&whole.nodes) else {
             return false;
         };
-        let triangles = actor.asset.model().triangles;
-        let corners = |triangle: u32| {
-            let corners = triangles[triangle as usize].corners;
-            corners.map(|corner| whole.positions[corner as usize])
-        };
+        let level = self.scene.simd;
+        let mut tree = WholeTree::new(id, whole, triangles, &mut room.rays);
         walk_together(
-            self.scene.simd,
+            level,
             &whole.nodes,
             &together,
             bundled,
-            stack,
+            &mut room.stack,
             &mut |part, bundled| {
                 match part {
-                    Part::Leaf { leaf, groups } => self.test::<ANY>(actor.id, leaf, &corners(leaf), groups, bundled),
-                    Part::Alone { node, places } => {
-                        self.alone::<ANY>(places, bundled, Departure::Whole { actor, whole, node }, context);
-                    }
+                    Part::Leaf { leaf, groups } => self.test::<ANY>(id, leaf, &tree.corners(leaf), groups, bundled),
+                    Part::Alone { node, places } => self.alone(places, bundled, |rays: &mut Alone<ANY>| {
+                        while let Some((place, mut traveller, start)) = rays.next() {
+                            tree.pass::<ANY>(level, node, (place, &mut traveller, start), lone_stack);
+                            rays.landed(place, &traveller);
+                        }
+                    }),
                 }
                 bundled.is_over()
             },

@@ -10,7 +10,7 @@ use crate::{
     excess::Motions,
     prepared::Prepared,
     scene::Scene,
-    wide::{GROUP, GroupHits, PACKET, Packet, WideStack},
+    wide::{GROUP, GroupHits, PACKET, Packet, WideRay, WideStack},
 };
 use std::cell::RefCell;
 
@@ -30,8 +30,14 @@ pub(super) struct PacketContext {
     pub hits: [GroupHits; PACKET / GROUP],
     /// For the tree over instances.
     pub stack: WideStack,
-    /// For the tree over all triangles of one.
-    pub whole_stack: WideStack,
+    pub whole: WholeRoom,
+}
+
+/// For the tree over all triangles of an instance.
+pub(super) struct WholeRoom {
+    pub stack: WideStack,
+    /// Rays of the packet that go alone through it.
+    pub rays: Box<[WideRay; PACKET]>,
 }
 
 pub(super) struct FlightContext {
@@ -66,7 +72,10 @@ impl TraceContext {
                 travellers: vec![None; PACKET],
                 hits: [GroupHits::NONE; PACKET / GROUP],
                 stack: WideStack::new(),
-                whole_stack: WideStack::new(),
+                whole: WholeRoom {
+                    stack: WideStack::new(),
+                    rays: Box::new([WideRay::NONE; PACKET]),
+                },
             },
         }
     }

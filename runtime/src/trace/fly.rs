@@ -11,7 +11,6 @@ use crate::{
     asset_instance::AssetInstance,
     cluster_frame::SlabRay,
     instance::Instance,
-    prepared::Whole,
     scene::Scene,
     simd::{Lanes, Portable, SimdLevel, prefetch},
     stats::Count,
@@ -38,29 +37,23 @@ pub(super) trait Rays {
 
 /// Where rays set out.
 #[derive(Clone, Copy)]
-pub(super) enum Departure<'a> {
+pub(super) enum Departure {
     /// At a node of the tree over instances.
     Scene { node: u32 },
     /// In an instance.
     Instance { index: u32 },
-    /// At a node of the whole of an instance.
-    Whole {
-        actor: Actor<'a>,
-        whole: &'a Whole,
-        node: u32,
-    },
 }
 
 /// Traces rays, `N` of them in flight at a time, at a time of the scene's interval from 0 to 1: each ends at its closest hit,
 /// or at any if `ANY`. While one waits for memory, others go on.
 ///
-/// The tree over instances, and the whole's, are not empty.
+/// The tree over instances is not empty.
 ///
 /// Based on: Psaropoulos et al., *Interleaving with Coroutines*, PVLDB 11(2), 2017: lookups in an index take turns at cache misses.
 /// Differs: rays for lookups, and states written down for coroutines.
 pub(super) fn fly<const ANY: bool, const N: usize, R: Rays, C: Count>(
     scene: &Scene,
-    departure: Departure<'_>,
+    departure: Departure,
     time: f32,
     rays: &mut R,
     context: &mut FlightContext,
@@ -72,7 +65,7 @@ pub(super) fn fly<const ANY: bool, const N: usize, R: Rays, C: Count>(
         fn compiled<const ANY: bool, const N: usize, R: Rays, C: Count>(
             simd: Avx2,
             scene: &Scene,
-            departure: Departure<'_>,
+            departure: Departure,
             time: f32,
             rays: &mut R,
             context: &mut FlightContext,
@@ -91,16 +84,13 @@ pub(super) fn fly<const ANY: bool, const N: usize, R: Rays, C: Count>(
 fn fly_with<const ANY: bool, const N: usize, S: Lanes, R: Rays, C: Count>(
     simd: S,
     scene: &Scene,
-    departure: Departure<'_>,
+    departure: Departure,
     time: f32,
     rays: &mut R,
     context: &mut FlightContext,
     counters: &mut C,
 ) {
-    let (nodes, bounds) = match departure {
-        Departure::Whole { whole, .. } => (&whole.nodes[..], whole.nodes[0].around()),
-        _ => (scene.top_level.nodes(), scene.top_level.bounds()),
-    };
+    let (nodes, bounds) = (scene.top_level.nodes(), scene.top_level.bounds());
     let mut flights = [const { None }; N];
     let mut places = [0; N];
     let mut in_flight = 0;
@@ -152,7 +142,7 @@ fn fly_with<const ANY: bool, const N: usize, S: Lanes, R: Rays, C: Count>(
 fn begin<'a>(
     traveller: Traveller,
     start: f32,
-    departure: Departure<'a>,
+    departure: Departure,
     nodes: &'a [WideNode],
     bounds: &Aabb,
 ) -> Flight<'a> {
@@ -162,11 +152,6 @@ fn begin<'a>(
         Departure::Instance { index } => {
             let mut flight = Flight::in_scene(traveller, start, nodes, ray, 0);
             flight.next = Next::FindInstance(index);
-            flight
-        }
-        Departure::Whole { actor, whole, node } => {
-            let mut flight = Flight::in_scene(traveller, start, nodes, ray, 0);
-            flight.enter_whole(actor, whole, ray, node);
             flight
         }
     }

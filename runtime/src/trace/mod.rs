@@ -22,6 +22,7 @@ mod ray_order;
 mod sorted_rays;
 mod traveller;
 mod walk;
+mod whole_tree;
 
 pub(crate) use batch::{Answer, trace_together};
 pub(crate) use context::TraceContext;

@@ -35,6 +35,7 @@ mod stack;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use boxes::WideBoxes;
 pub(crate) use collapse::collapse;
 pub(crate) use descent::Descent;
 pub(crate) use fuzzy_ray::FuzzyRay;

@@ -9,7 +9,7 @@ use super::{
 use crate::simd::Avx2;
 use crate::{
     Aabb,
-    simd::{Lanes, Portable, SimdLevel},
+    simd::{Lanes, Portable, SimdLevel, prefetch},
 };
 use restpose_formats::rows::WideChild;
 
@@ -80,7 +80,17 @@ fn walk_with<S: Lanes>(
         let [enter, exit] = nodes[node as usize].meet(simd, node, &bundle, bundle.start, limit);
         // Not the children: where their boxes are, too, must be known.
         let places = std::array::from_fn(|place| node << 3 | place as u32);
+        let first = count;
         count += simd.sort8(enter, exit, &places, stack.eight(count));
+        // Bundles go to most of these, and the rays that part from them, too: 5 % of a picture before 1.35 million triangles. To
+        // ask for leaves' triangles as well was no faster.
+        for pending in first..count {
+            let (_, place) = stack.at(pending);
+            let child = nodes[(place >> 3) as usize].children[place as usize % 8];
+            if child & WideChild::LEAF_BIT == 0 {
+                prefetch(std::slice::from_ref(&nodes[child as usize]));
+            }
+        }
         loop {
             if count == 0 {
                 return false;

@@ -31,6 +31,15 @@ pub(crate) struct WideRay {
 }
 
 impl WideRay {
+    /// Stands where no ray is.
+    pub(crate) const NONE: Self = Self {
+        near: [0.0; 4],
+        far: [0.0; 4],
+        inverse_direction: [0.0; 4],
+        near_row: [0; 3],
+        unbounded: false,
+    };
+
     #[inline]
     pub(crate) fn new(ray: &SlabRay) -> Self {
         // Four lanes, so that a compiler makes one vector of them.

@@ -29,7 +29,10 @@ impl<'a> Flight<'a> {
     #[inline(always)]
     fn enter(&mut self, tree: Tree, nodes: &'a [WideNode]) {
         let ray = self.ray_in_world(nodes);
-        self.enter_at(tree, nodes, ray, 0);
+        self.tree = tree;
+        self.world[tree.depth()] = (nodes, ray);
+        self.floors[tree.depth()] = self.count;
+        self.next = Next::MeetNode(0);
     }
 
     /// Enters a tree in world space in the next step: its root is asked for.
@@ -40,15 +43,6 @@ impl<'a> Flight<'a> {
         self.world[tree.depth()].0 = nodes;
         self.floors[tree.depth()] = self.count;
         self.next = Next::EnterRoot;
-    }
-
-    /// Enters a tree in world space at one of its nodes.
-    #[inline(always)]
-    fn enter_at(&mut self, tree: Tree, nodes: &'a [WideNode], ray: WideRay, node: u32) {
-        self.tree = tree;
-        self.world[tree.depth()] = (nodes, ray);
-        self.floors[tree.depth()] = self.count;
-        self.next = Next::MeetNode(node);
     }
 
     /// Enters an instance that is no geometry of the caller's.
@@ -64,13 +58,6 @@ impl<'a> Flight<'a> {
                 self.enter_later(Tree::Clusters, actor.prepared.top_level.nodes());
             }
         }
-    }
-
-    /// Enters the whole of an instance at one of its nodes.
-    #[inline(always)]
-    pub(in crate::trace) fn enter_whole(&mut self, actor: Actor<'a>, whole: &'a Whole, ray: WideRay, node: u32) {
-        (self.actor, self.is_whole) = (Some(actor), true);
-        self.enter_at(Tree::Whole, &whole.nodes, ray, node);
     }
 
     /// Enters a cluster's tree, or where it is no wide one, comes back from there: true where the search is then over.
