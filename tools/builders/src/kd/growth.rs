@@ -15,35 +15,41 @@ pub(super) struct OpenNode {
     pub budget: u64,
 }
 
-/// When a node is not worth cutting, however cheap its best cut is.
+/// When a node is not worth cutting, however cheap its best cut is: where it adds next to nothing to the tree's cost.
+///
+/// Scale matters and count does: a leaf of one or two boxes in a large cell costs more than dozens in small ones, and
+/// leaves by count alone lose a tenth of the quality over an uneven scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Stop {
-    /// A node of at most so many fragments is a leaf.
-    pub count: usize,
-    /// So is one whose weight is less: half the cell's surface area times the fragments, which is what the tests of a leaf
-    /// add to the tree's expected cost.
-    pub weight: f64,
-    /// So is one within a swept node whose weight is less than this share of the swept node's.
-    pub swept_share: f64,
+    /// The weight of all leaves that is expected of the tree, over its boxes. Zero stops at empty nodes only.
+    pub weight_per_box: f64,
 }
 
-impl Stop {
-    /// For the nodes below one of `count` fragments in `cell`, which is swept.
-    pub(super) fn below(self, count: usize, cell: &Aabb) -> Self {
-        Self {
-            weight: self.weight.max(self.swept_share * weight(count, cell)),
-            ..self
-        }
-    }
+/// More fragments are always cut, however little they weigh: rays that are aimed at small things, as a camera's are, meet
+/// them more often than the surface area says.
+const MOST_NEGLIGIBLE: usize = 8;
 
+/// A node is negligible below this many weights per box, over the cube of its fragments: with each of them it has more to
+/// gain, and a cut of one or two seldom gains what its price says. Loses up to 1.5 % of the expected cost and saves half of
+/// the nodes or more.
+const NEGLIGIBLE: f64 = 24.0;
+
+impl Stop {
     /// Whether a node of `count` fragments in `cell` is a leaf.
     #[inline]
     pub(super) fn here(&self, count: usize, cell: &Aabb) -> bool {
-        count <= self.count || weight(count, cell) < self.weight
+        let cube = (count * count * count) as f64;
+        count == 0 || count <= MOST_NEGLIGIBLE && cube * weight(count, cell) < NEGLIGIBLE * self.weight_per_box
     }
 }
 
-/// Half the surface area of `cell` times `count`.
+/// What the leaves below a node of `count` fragments in `cell` are expected to weigh: of boxes that are spread evenly and
+/// do not overlap, a ray meets the cube root.
+pub(super) fn expected_weight(count: usize, cell: &Aabb) -> f64 {
+    weight(1, cell) * (count as f64).cbrt()
+}
+
+/// Half the surface area of `cell` times `count`: what the tests of a leaf add to the tree's expected cost.
 #[inline]
 pub(super) fn weight(count: usize, cell: &Aabb) -> f64 {
     let side = std::array::from_fn(|k| f64::from(cell.max[k]) - f64::from(cell.min[k]));

@@ -14,7 +14,6 @@ pub(super) struct RankCut {
     pub cost: f32,
     pub axis: usize,
     pub rank: u8,
-    pub planar_left: bool,
     /// Fragments of the left child.
     pub left: u32,
     /// Fragments of the right child.
@@ -28,7 +27,7 @@ pub(super) struct RankCut {
 pub(super) struct RankCounts {
     /// Positions of the ranks, from that of rank zero.
     offsets: [[f32; 264]; 3],
-    /// Fragments that begin at the rank below, and those that lie in this one: what a plane here adds to its left side.
+    /// Fragments that begin at a rank: what a plane behind it adds to its left side.
     starts: [[u8; 264]; 3],
     /// Fragments that end at a rank: what a plane here takes from its right side.
     ends: [[u8; 264]; 3],
@@ -68,7 +67,7 @@ impl RankCounts {
         for ranked in list {
             for axis in 0..3 {
                 let (min, max) = (ranked.min(axis), ranked.max(axis));
-                self.starts[axis][usize::from(min) + usize::from(min != max)] += 1;
+                self.starts[axis][usize::from(min)] += 1;
                 self.ends[axis][usize::from(max)] += 1;
                 lower[axis] = lower[axis].min(min);
                 upper[axis] = upper[axis].max(max);
@@ -83,7 +82,7 @@ impl RankCounts {
         for ranked in list {
             for axis in 0..3 {
                 let (min, max) = (ranked.min(axis), ranked.max(axis));
-                self.starts[axis][usize::from(min) + usize::from(min != max)] = 0;
+                self.starts[axis][usize::from(min)] = 0;
                 self.ends[axis][usize::from(max)] = 0;
             }
         }
@@ -99,7 +98,7 @@ impl RankCounts {
         list: &[Ranked],
         cost: &CellCost,
     ) -> Option<RankCut> {
-        let mut best = self.cheapest_at_sides(cell, bounds, list, cost);
+        let mut best = self.cheapest_gap(cell, bounds, list.len(), cost);
         let limit = best.map_or(cost.leaf(list.len()), |best| best.cost);
         let (mut cheapest, mut winner) = (f32::INFINITY, 3);
         for axis in 0..3 {
@@ -111,26 +110,30 @@ impl RankCounts {
         let price = cost.traversal + cost.intersection * cheapest;
         if winner < 3 && price < limit {
             let (min, max) = (usize::from(cell.min[winner]), usize::from(cell.max[winner]));
-            let rank = self.rank_of(winner, min + 1, cheapest).filter(|&rank| rank < max)?;
+            let mut rank = self.rank_of(winner, min + 1, cheapest).filter(|&rank| rank < max)?;
+            // Of two ranks at one position the second has what is flat there on its left, which is preferred.
+            let (prices, offsets) = (&self.prices[winner], &self.offsets[winner]);
+            if rank + 1 < max && prices[rank + 1] == cheapest && offsets[rank + 1] == offsets[rank] {
+                rank += 1;
+            }
             let ended = sum(&self.ends[winner], min, rank);
             best = Some(RankCut {
                 cost: price,
                 axis: winner,
                 rank: rank as u8,
-                planar_left: true,
-                left: sum(&self.starts[winner], min, rank),
+                left: sum(&self.starts[winner], min, rank - 1),
                 right: list.len() as u32 - ended,
             });
         }
         best
     }
 
-    /// The cheapest of the cuts that take off empty space, or what lies in a side of the cell.
+    /// The cheapest of the cuts that take off empty space.
     #[inline(always)]
-    fn cheapest_at_sides(&self, cell: &RankBox, bounds: &RankBox, list: &[Ranked], cost: &CellCost) -> Option<RankCut> {
-        let total = list.len() as u32;
-        let (mut limit, mut best) = (cost.leaf(list.len()), None);
-        let mut offer = |axis: usize, rank: u8, planar_left: bool, left: u32, t: f32| {
+    fn cheapest_gap(&self, cell: &RankBox, bounds: &RankBox, total: usize, cost: &CellCost) -> Option<RankCut> {
+        let (mut limit, mut best) = (cost.leaf(total), None);
+        let total = total as u32;
+        let mut offer = |axis: usize, rank: u8, left: u32, t: f32| {
             let right = total - left;
             let price = cost.cut(axis, t, left as f32, right as f32);
             if price < limit {
@@ -139,35 +142,21 @@ impl RankCounts {
                     cost: price,
                     axis,
                     rank,
-                    planar_left,
                     left,
                     right,
                 });
             }
         };
         for axis in 0..3 {
-            let (min, max) = (cell.min[axis], cell.max[axis]);
-            if min == max {
-                continue;
-            }
-            let (first, last) = (bounds.min[axis], bounds.max[axis]);
             let offset = |rank: u8| self.offsets[axis][usize::from(rank)];
-            let share = |rank: u8| (offset(rank) - offset(min)) * cost.inverse[axis];
-            if first > min {
-                offer(axis, first, true, 0, share(first));
-            } else {
-                let flat = u32::from(self.starts[axis][usize::from(min)]);
-                if flat > 0 {
-                    offer(axis, min, true, flat, 0.0);
-                }
+            let (min, max) = (offset(cell.min[axis]), offset(cell.max[axis]));
+            let (first, last) = (bounds.min[axis], bounds.max[axis]);
+            // Of two ranks at one position, nothing lies between.
+            if offset(first) > min {
+                offer(axis, first, 0, (offset(first) - min) * cost.inverse[axis]);
             }
-            if last < max {
-                offer(axis, last, false, total, share(last));
-            } else if self.starts[axis][usize::from(max)] > 0 {
-                let flat = list.iter().filter(|ranked| ranked.min(axis) == max).count() as u32;
-                if flat > 0 {
-                    offer(axis, max, false, total - flat, 1.0);
-                }
+            if offset(last) < max {
+                offer(axis, last, total, (offset(last) - min) * cost.inverse[axis]);
             }
         }
         best
@@ -187,7 +176,7 @@ impl RankCounts {
     }
 
     /// The least price of cuts inside the cell, and all prices: what the children's tests are expected to be, by Eq. 4.3
-    /// without the constants; what lies in a plane goes left.
+    /// without the constants.
     #[inline(always)]
     fn sweep(&mut self, axis: usize, [min, max]: [u8; 2], cost: &CellCost, count: usize) -> f32 {
         let (starts, ends, offsets) = (&self.starts[axis], &self.ends[axis], &self.offsets[axis]);
@@ -197,11 +186,11 @@ impl RankCounts {
         let total = count as f32;
         let mut best = [f32::INFINITY; 8];
         let mut rank = usize::from(min);
-        let (mut begun, mut ended) = (u64::from(starts[rank]), u64::from(ends[rank]));
+        let (mut begun, mut ended) = (0, u64::from(ends[rank]));
         rank += 1;
         while rank < usize::from(max) {
-            // No sum exceeds a byte.
-            let s = (eight(starts, rank) + begun).wrapping_mul(ONES);
+            // No sum exceeds a byte. What begins at a rank lies left of the next one.
+            let s = (eight(starts, rank - 1) + begun).wrapping_mul(ONES);
             let e = (eight(ends, rank) + ended).wrapping_mul(ONES);
             begun = s >> 56;
             ended = e >> 56;
@@ -212,7 +201,7 @@ impl RankCounts {
             ) else {
                 break;
             };
-            if eight(starts, rank) | eight(ends, rank) == 0 {
+            if eight(starts, rank - 1) | eight(starts, rank) | eight(ends, rank) == 0 {
                 // Between sides of fragments no cut is cheapest.
                 prices.fill(f32::INFINITY);
                 rank += 8;

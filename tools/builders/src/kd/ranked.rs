@@ -1,7 +1,9 @@
 //! The exact sweep for small nodes: positions become ranks, and sorted lists become counters.
 //!
 //! A node of at most [`RankedCells::MAX_COUNT`] fragments has at most 256 different positions along an axis, the sides of
-//! its cell included. They are sorted once; from there on a fragment is six bytes, the ranks of its sides. Below, a node
+//! its cell included. A position where fragments are flat has two ranks, between which these lie: a plane at the first has
+//! them on its right, one at the second on its left, and nothing else need know that some fragments are flat. Positions
+//! are sorted once; from there on a fragment is six bytes, the ranks of its sides. Below, a node
 //! counts how many fragments begin and end at each rank, which takes no sorting, and eight ranks are swept at a time.
 //!
 //! Source of the cost and its candidates: Günther, *Ray Tracing of Dynamic Scenes*, 2014, §4.1.2.
@@ -9,7 +11,7 @@
 use super::cell_cost::CellCost;
 use super::float_order::{number, order};
 use super::fragment::Fragment;
-use super::growth::{OpenNode, Stop};
+use super::growth::{OpenNode, Stop, weight};
 use super::rank_counts::{RankBox, RankCounts};
 use super::ranked_fragment::{Ranked, RankedStack};
 use restpose_formats::rows::{KdNode, KdNodeRow};
@@ -25,6 +27,8 @@ pub(super) struct RankedCells {
     stack: RankedStack,
     keys: Vec<u64>,
     open: Vec<(OpenNode, RankBox, Range<usize>)>,
+    /// Of the leaves of the sub-tree in work.
+    weight: f64,
 }
 
 impl RankedCells {
@@ -38,10 +42,11 @@ impl RankedCells {
             stack: RankedStack::default(),
             keys: Vec::new(),
             open: Vec::new(),
+            weight: 0.0,
         }
     }
 
-    /// Grows the sub-tree of `node` over `fragments`, which are at most [`RankedCells::MAX_COUNT`].
+    /// Grows the sub-tree of `node` over `fragments`, which are at most [`RankedCells::MAX_COUNT`]; what its leaves weigh.
     pub(super) fn grow(
         &mut self,
         node: OpenNode,
@@ -49,8 +54,8 @@ impl RankedCells {
         settings: &KdSettings,
         stop: Stop,
         tree: &mut KdTree,
-    ) {
-        let stop = stop.below(fragments.len(), &node.cell);
+    ) -> f64 {
+        self.weight = 0.0;
         let list = &mut self.stack.list;
         list.clear();
         list.extend((0..fragments.len() as u64).map(Ranked::at));
@@ -66,6 +71,7 @@ impl RankedCells {
                 self.split(node, cell, range, fragments, settings, tree);
             }
         }
+        self.weight
     }
 
     /// Cuts off empty space while that is cheapest, then opens both children of `node`, or makes it a leaf.
@@ -100,7 +106,7 @@ impl RankedCells {
                 cell.max[cut.axis] = cut.rank;
             } else {
                 self.counts.uncount(list);
-                let [left, right] = self.stack.part(range, cut.axis, cut.rank, cut.planar_left);
+                let [left, right] = self.stack.part(range, cut.axis, cut.rank);
                 let [lower, upper] = node.cut(cut.axis, position, left.len(), right.len(), tree);
                 let (mut below, mut above) = (cell, cell);
                 below.max[cut.axis] = cut.rank;
@@ -112,11 +118,12 @@ impl RankedCells {
         }
     }
 
-    fn close(&self, node: &OpenNode, range: Range<usize>, fragments: &[Fragment], tree: &mut KdTree) {
+    fn close(&mut self, node: &OpenNode, range: Range<usize>, fragments: &[Fragment], tree: &mut KdTree) {
         tree.nodes[node.index] = KdNodeRow::pack(KdNode::Leaf {
             first: tree.references.len() as u32,
             count: range.len() as u32,
         });
+        self.weight += weight(range.len(), &node.cell);
         let list = &self.stack.list[range];
         let ids = list.iter().map(|ranked| fragments[ranked.place()].id());
         tree.references.extend(ids);
@@ -125,26 +132,46 @@ impl RankedCells {
     /// Ranks the sides of all fragments along `axis`, and those of the cell, the lowest and the highest; the highest
     /// rank.
     fn rank(&mut self, axis: usize, fragments: &[Fragment], [min, max]: [f32; 2]) -> u8 {
-        // Of a key, the low byte says whose side it is: the place, and 128 for the upper one.
+        // Of a key, the low seven bits are the place, and the two above what it is, in the order of ranks at a position.
+        const END: u64 = 0;
+        const FLAT: u64 = 1;
+        const BEGIN: u64 = 2;
         self.keys.clear();
         for (fragment, place) in fragments.iter().zip(0u64..) {
-            self.keys.push(u64::from(order(fragment.min[axis])) << 32 | place);
-            self.keys.push(u64::from(order(fragment.max[axis])) << 32 | 128 | place);
+            let (min, max) = (fragment.min[axis], fragment.max[axis]);
+            let key = |side: f32, kind: u64| u64::from(order(side)) << 32 | kind << 7 | place;
+            if min == max {
+                self.keys.push(key(min, FLAT));
+            } else {
+                self.keys.push(key(min, BEGIN));
+                self.keys.push(key(max, END));
+            }
         }
         self.keys.sort_unstable();
         let positions = &mut self.positions[axis];
         positions.clear();
         positions.push(min);
         let mut last = min;
+        let mut parted = false;
         for &key in &self.keys {
             let position = number((key >> 32) as u32);
             if position != last {
                 positions.push(position);
                 last = position;
+                parted = false;
+            }
+            let kind = key >> 7 & 3;
+            if kind == FLAT && !parted {
+                positions.push(position);
+                parted = true;
             }
             let rank = positions.len() as u64 - 1;
-            let shift = 8 * axis + if key & 128 == 0 { 0 } else { 32 };
-            self.stack.list[key as usize & 127].0 |= rank << shift;
+            let ranks = match kind {
+                BEGIN => rank,
+                END => rank << 32,
+                _ => (rank - 1) | rank << 32,
+            };
+            self.stack.list[key as usize & 127].0 |= ranks << (8 * axis);
         }
         if max != last {
             positions.push(max);

@@ -42,7 +42,7 @@ impl RankedStack {
     /// Parts the topmost range at `rank`; the right child's is on top of the left one's. As
     /// [`sift`](super::fragment::sift) does it.
     #[inline(always)]
-    pub(super) fn part(&mut self, range: Range<usize>, axis: usize, rank: u8, planar_left: bool) -> [Range<usize>; 2] {
+    pub(super) fn part(&mut self, range: Range<usize>, axis: usize, rank: u8) -> [Range<usize>; 2] {
         let begin = range.start;
         self.spare.resize(self.spare.len().max(range.len()), Ranked::default());
         let list = &mut self.list[range];
@@ -57,10 +57,10 @@ impl RankedStack {
             let (below, above) = (min < rank, max > rank);
             let lower = word & !(0xff << high) | at << high;
             list[left] = Ranked(if above { lower } else { word });
-            left += usize::from(below | (planar_left & !above));
+            left += usize::from(below);
             let upper = word & !(0xff << low) | at << low;
             spare[right] = Ranked(if below { upper } else { word });
-            right += usize::from(above | (!planar_left & !below));
+            right += usize::from(above);
         }
         let (middle, end) = (begin + left, begin + left + right);
         if self.list.len() < end {

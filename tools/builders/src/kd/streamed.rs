@@ -1,6 +1,6 @@
 use super::KdTreeBuilder;
 use super::fragment::{Fragment, bounds_of};
-use super::growth::{OpenNode, Stop, empty_leaf};
+use super::growth::{OpenNode, empty_leaf, expected_weight};
 use super::ranked::RankedCells;
 use super::streamed_top::{Job, TopLevels};
 use super::subtree::{BinRule, SubtreeBuilder};
@@ -31,26 +31,18 @@ pub struct StreamedKd {
 /// Where the bins adapt, nodes of so many boxes are swept: fewer ranks to sweep at no loss of quality that matters.
 pub(super) const ADAPTIVE_SWEEP: usize = 96;
 
-/// Share of a swept node's tests below which a node in it is not worth splitting. Loses about 1 % of the expected cost and
-/// makes a third less nodes, of uneven geometry half.
-const NEGLIGIBLE_SHARE: f64 = 1.0 / 900.0;
-
 /// A node of more fragments is worked off before its sub-trees are handed to threads: 1 MiB of fragments.
 const TOP_NODE: usize = 1 << 15;
 
 impl StreamedKd {
-    /// The fast rule: bins as many as boxes, from 16 to 256, over the boxes' bounds; three boxes are a leaf, and so are more
-    /// whose tests are less than 1/900 of those of the swept node around them.
+    /// The fast rule: bins as many as boxes, from 16 to 256, over the boxes' bounds; up to eight boxes are a leaf where
+    /// they add next to nothing to what the tree is expected to cost.
     #[must_use]
     pub fn new() -> Self {
         Self::with(BinRule {
             adaptive: true,
             sweep_at: ADAPTIVE_SWEEP,
-            stop: Stop {
-                count: 3,
-                weight: 0.0,
-                swept_share: NEGLIGIBLE_SHARE,
-            },
+            stops: true,
         })
     }
 
@@ -60,7 +52,7 @@ impl StreamedKd {
         Self::with(BinRule {
             adaptive: false,
             sweep_at: RankedCells::MAX_COUNT,
-            stop: Stop::default(),
+            stops: false,
         })
     }
 
@@ -72,8 +64,13 @@ impl StreamedKd {
         }
     }
 
-    /// Builds the sub-trees of the jobs on all threads, and appends them in the order of the jobs.
-    fn grow_jobs(&self, jobs: Vec<Job>, settings: &KdSettings, tree: &mut KdTree) {
+    /// Builds the sub-trees of the jobs, over `count` boxes, on all threads, and appends them in the order of the jobs.
+    fn grow_jobs(&self, jobs: Vec<Job>, count: usize, settings: &KdSettings, tree: &mut KdTree) {
+        let expected: f64 = jobs
+            .iter()
+            .map(|job| expected_weight(job.fragments.len(), &job.node.cell))
+            .sum();
+        let weight_per_box = expected / count as f64;
         let build = |builder: &mut SubtreeBuilder, job: Job| {
             let mut part = KdTree {
                 nodes: vec![empty_leaf()],
@@ -82,7 +79,7 @@ impl StreamedKd {
             let index = job.node.index;
             *builder.fragments() = job.fragments;
             let node = OpenNode { index: 0, ..job.node };
-            builder.grow(node, self.rule, settings, &mut part);
+            builder.grow(node, self.rule, weight_per_box, settings, &mut part);
             (index, part)
         };
         let parts: Vec<_> = jobs.into_par_iter().map_init(SubtreeBuilder::new, build).collect();
@@ -113,10 +110,11 @@ impl KdTreeBuilder for StreamedKd {
             list.extend(fragments);
             tree.bounds = bounds_of(list);
             let root = OpenNode::root(tree.bounds, boxes.len());
-            self.subtree.grow(root, self.rule, settings, tree);
+            let weight_per_box = expected_weight(boxes.len(), &tree.bounds) / boxes.len() as f64;
+            self.subtree.grow(root, self.rule, weight_per_box, settings, tree);
         } else {
             let jobs = self.top.grow(fragments, TOP_NODE, settings, tree);
-            self.grow_jobs(jobs, settings, tree);
+            self.grow_jobs(jobs, boxes.len(), settings, tree);
         }
     }
 }

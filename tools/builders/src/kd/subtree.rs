@@ -2,7 +2,7 @@ use super::bins::Bins;
 use super::cell_cost::CellCost;
 use super::cut::{Cut, cheapest_cut};
 use super::fragment::{Fragment, bounds_of};
-use super::growth::{FragmentStack, OpenNode, Stop};
+use super::growth::{FragmentStack, OpenNode, Stop, expected_weight};
 use super::ranked::RankedCells;
 use restpose_formats::rows::KdNodeRow;
 use restpose_runtime::build::{KdSettings, KdTree};
@@ -15,8 +15,8 @@ pub(super) struct BinRule {
     pub adaptive: bool,
     /// A node of at most so many fragments is swept exactly.
     pub sweep_at: usize,
-    /// When it ends above.
-    pub stop: Stop,
+    /// Leaves below swept nodes where little is to be gained.
+    pub stops: bool,
 }
 
 /// Builds the part of a tree below a node, depth first; owns all scratch memory.
@@ -44,15 +44,27 @@ impl SubtreeBuilder {
     }
 
     /// Grows the sub-tree of `node` over all fragments, which must lie in its cell, in ascending order.
-    pub(super) fn grow(&mut self, node: OpenNode, rule: BinRule, settings: &KdSettings, tree: &mut KdTree) {
+    /// All of the tree's leaves are expected to weigh `weight_per_box` times its boxes.
+    pub(super) fn grow(
+        &mut self,
+        node: OpenNode,
+        rule: BinRule,
+        weight_per_box: f64,
+        settings: &KdSettings,
+        tree: &mut KdTree,
+    ) {
+        let (mut found, mut expected) = (0.0, 0.0);
         let count = self.stack.list.len();
         self.open.push((node, 0..count));
         while let Some((node, range)) = self.open.pop() {
-            if rule.stop.here(range.len(), &node.cell) {
-                node.close(&self.stack.list[range], tree);
-            } else if range.len() <= rule.sweep_at {
-                self.ranked
-                    .grow(node, &self.stack.list[range], settings, rule.stop, tree);
+            let count = range.len();
+            if count <= rule.sweep_at {
+                // Boxes that overlap weigh more than expected; by how much, the nodes swept so far tell.
+                let excess = if expected > 0.0 { found / expected } else { 1.0 };
+                let weight_per_box = if rule.stops { weight_per_box * excess } else { 0.0 };
+                let stop = Stop { weight_per_box };
+                expected += expected_weight(count, &node.cell);
+                found += self.ranked.grow(node, &self.stack.list[range], settings, stop, tree);
             } else {
                 self.split(node, range, rule, settings, tree);
             }

@@ -63,10 +63,6 @@ struct OpenTracked {
     above: Option<(u32, usize)>,
 }
 
-/// A node whose tests are expected to be fewer, as a leaf, than this share of the tests per box becomes one. Loses about
-/// 1 % of the expected cost and saves a third of the nodes.
-const NEGLIGIBLE: f64 = 0.25;
-
 /// A tracked cut may be dearer, compared to a leaf, by this factor before all axes are searched.
 const SLACK: f32 = 1.05;
 
@@ -252,9 +248,7 @@ impl KdTreeBuilder for TrackedKd {
         list.extend(boxes.iter().zip(0..).map(|(bounds, id)| Fragment::of(bounds, id)));
         tree.bounds = bounds_of(list);
         let stop = Stop {
-            count: 2,
-            weight: NEGLIGIBLE * self.tests_per_box,
-            swept_share: 0.0,
+            weight_per_box: self.tests_per_box,
         };
         self.grown.clear();
         self.open.push(OpenTracked {

@@ -81,9 +81,8 @@ fn trees_cost_at_most_three_percent_more_than_exact_ones() {
 fn small_nodes_are_swept_exactly() {
     let settings = KdSettings::default();
     for (name, family) in FAMILIES {
-        // What lies in a plane inside a cell goes left here, and to the better side in the reference: in these families
-        // most boxes lie in a plane.
-        if ["points", "largest_and_smallest"].contains(&name) {
+        // Of sides from the smallest to the largest numbers, single precision cannot tell what cuts cost.
+        if name == "largest_and_smallest" {
             continue;
         }
         for n in [3, 20, 60, 127] {
@@ -97,6 +96,35 @@ fn small_nodes_are_swept_exactly() {
                 "{name}, {n} boxes: {exact} against {cost}"
             );
         }
+    }
+}
+
+#[test]
+fn small_leaves_lose_little_whatever_boxes_are_like() {
+    let settings = KdSettings::default();
+    let room = FAMILIES.iter().find(|(name, _)| *name == "walls").unwrap().1;
+    // Things in a room, each of a thousand boxes.
+    let mut furnished = room(1000, 1);
+    for (piece, place) in scattered(20, 2, 3.0, 0.0).into_iter().enumerate() {
+        furnished.extend(scattered(1000, piece as u64, 0.01, 1e-3).into_iter().map(|small| Aabb {
+            min: std::array::from_fn(|k| small.min[k] + place.min[k] + 4.0),
+            max: std::array::from_fn(|k| small.max[k] + place.min[k] + 4.0),
+        }));
+    }
+    let mut shuffled = furnished.clone();
+    fastrand::Rng::with_seed(1).shuffle(&mut shuffled);
+    for (name, boxes) in [
+        ("far apart", scattered(50_000, 1, 1.0, 0.005)),
+        ("near each other", scattered(50_000, 1, 1.0, 0.03)),
+        ("furnished", furnished),
+        ("shuffled", shuffled),
+    ] {
+        let exact = build(&mut KdBuilder::new(), &boxes, &settings);
+        let tree = build(&mut StreamedKd::new(), &boxes, &settings);
+        let [most, nodes] = [exact.nodes.len(), tree.nodes.len()];
+        let [exact, cost] = [exact, tree].map(|tree| sah_cost(&tree.nodes, &tree.bounds, &settings));
+        assert!(exact / cost > 0.98, "{name}: {exact} against {cost}");
+        assert!(3 * nodes < 2 * most, "{name}: {nodes} of {most} nodes");
     }
 }
 
