@@ -29,6 +29,11 @@ use std::ops::Range;
 /// prediction, [`TrackedKd::paper`] from the extremes of each axis.
 ///
 /// Guarantee: trees depend on the boxes and settings since the first frame alone.
+// Tried on the papers' gallops, to get beyond two thirds of the exact builder's time saved, at 97.7 % of its quality: to
+// search nothing, and cut every node at the side of the very box that gave its plane in the last frame, with a new search
+// where that side lies outside of the cell. It saved 74 % (80 % with poor leaves in the place of new searches) at 92 to
+// 94 % where every other frame was built anew, and 83 to 87 % where every eighth was: a plane of a small node does not last
+// a frame of these motions. Exact sweeps from 40 boxes down in the place of 64 saved no more and lost 0.4 %.
 #[derive(Debug)]
 pub struct TrackedKd {
     from_extremes: bool,
@@ -62,6 +67,10 @@ struct OpenTracked {
     /// The node of this frame's tree above it, and the side.
     above: Option<(u32, usize)>,
 }
+
+/// Leaves may weigh so many times as much as where a tree is built once: a tree of one frame has fewer rays to earn its
+/// nodes. Loses half a percent of the expected cost and saves an eighth of the nodes.
+const COARSER: f64 = 2.0;
 
 /// A tracked cut may be dearer, compared to a leaf, by this factor before all axes are searched.
 const SLACK: f32 = 1.05;
@@ -248,7 +257,7 @@ impl KdTreeBuilder for TrackedKd {
         list.extend(boxes.iter().zip(0..).map(|(bounds, id)| Fragment::of(bounds, id)));
         tree.bounds = bounds_of(list);
         let stop = Stop {
-            weight_per_box: self.tests_per_box,
+            weight_per_box: COARSER * self.tests_per_box,
         };
         self.grown.clear();
         self.open.push(OpenTracked {
