@@ -38,7 +38,7 @@ impl Stop {
     /// Whether a node of `count` fragments in `cell` is a leaf.
     #[inline]
     pub(super) fn here(&self, count: usize, cell: &Aabb) -> bool {
-        let cube = (count * count * count) as f64;
+        let cube = (count as f64) * (count as f64) * (count as f64);
         count == 0 || count <= MOST_NEGLIGIBLE && cube * weight(count, cell) < NEGLIGIBLE * self.weight_per_box
     }
 }
@@ -46,7 +46,7 @@ impl Stop {
 /// What the leaves below a node of `count` fragments in `cell` are expected to weigh: of boxes that are spread evenly and
 /// do not overlap, a ray meets the cube root.
 pub(super) fn expected_weight(count: usize, cell: &Aabb) -> f64 {
-    weight(1, cell) * (count as f64).cbrt()
+    weight(1, cell) * libm::cbrt(count as f64)
 }
 
 /// Half the surface area of `cell` times `count`: what the tests of a leaf add to the tree's expected cost.
