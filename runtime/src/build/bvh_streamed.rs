@@ -8,6 +8,9 @@ use crate::simd::SimdLevel;
 use restpose_formats::geom::Aabb;
 
 /// Nodes with more primitives are parted one by one, their children in parallel; the others are one task each.
+///
+/// To part nodes of more than 65,536 on all threads, in chunks whose bins are merged and whose misplaced ranges trade places, took
+/// 20 % longer on one thread (1M boxes), and no less on two; what it gains on many was not measured.
 const TASK_PRIMITIVES: usize = 4096;
 
 /// Builds hierarchies by streamed binning, on the threads of the current pool (feature `parallel`); owns all scratch memory.

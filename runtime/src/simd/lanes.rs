@@ -21,6 +21,7 @@ pub(crate) trait Lanes: Copy {
     fn abs8(self, a: Self::F8) -> Self::F8;
     fn mul8(self, a: Self::F8, b: Self::F8) -> Self::F8;
     fn div8(self, a: Self::F8, b: Self::F8) -> Self::F8;
+    /// Of lanes that do not compare, the second.
     fn min8(self, a: Self::F8, b: Self::F8) -> Self::F8;
     /// Lane `i` of output `k` is lane `k` of input `i`.
     fn transpose8(self, from: [Self::F8; 8]) -> [Self::F8; 8];

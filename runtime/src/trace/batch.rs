@@ -13,7 +13,7 @@ use crate::{
     scene::Scene,
     set_bits::set_bits,
     simd::prefetch,
-    wide::{Bundled, GROUP, GroupHits, PACKET, Part, WideStack, walk_together},
+    wide::{Bundled, GROUP, GroupHits, PACKET, Part, walk_together},
 };
 use restpose_formats::rows::TriangleRow;
 use std::cell::Cell;
@@ -185,12 +185,7 @@ impl Bundle<'_> {
             let whole = prepared.enter(instance.pool()).filter(|whole| !whole.nodes.is_empty());
             let triangles = instance.asset().model().triangles;
             if let Some(whole) = whole
-                && self.enter_whole::<ANY>(
-                    (scene.id(index), whole, triangles),
-                    bundled,
-                    room,
-                    &mut context.stacks[0],
-                )
+                && self.enter_whole::<ANY>((scene.id(index), whole, triangles), bundled, room)
             {
                 prepared.count_whole(groups.count_ones() * GROUP as u32);
                 return;
@@ -245,32 +240,29 @@ impl Bundle<'_> {
         (id, whole, triangles): (InstanceId, &Whole, &[TriangleRow]),
         bundled: &mut Bundled,
         room: &mut WholeRoom,
-        lone_stack: &mut WideStack,
     ) -> bool {
         let Some(together) = bundled.in_world(&whole.nodes) else {
             return false;
         };
         let level = self.scene.simd;
-        let mut tree = WholeTree::new(id, whole, triangles, &mut room.rays);
-        walk_together(
-            level,
-            &whole.nodes,
-            &together,
-            bundled,
-            &mut room.stack,
-            &mut |part, bundled| {
-                match part {
-                    Part::Leaf { leaf, groups } => self.test::<ANY>(id, leaf, &tree.corners(leaf), groups, bundled),
-                    Part::Alone { node, places } => self.alone(places, bundled, |rays: &mut Alone<ANY>| {
-                        while let Some((place, mut traveller, start)) = rays.next() {
-                            tree.pass::<ANY>(level, node, (place, &mut traveller, start), lone_stack);
-                            rays.landed(place, &traveller);
-                        }
-                    }),
-                }
-                bundled.is_over()
-            },
-        );
+        let WholeRoom {
+            stack,
+            lone_stack,
+            rays,
+        } = room;
+        let mut tree = WholeTree::new(id, whole, triangles, rays);
+        walk_together(level, &whole.nodes, &together, bundled, stack, &mut |part, bundled| {
+            match part {
+                Part::Leaf { leaf, groups } => self.test::<ANY>(id, leaf, &tree.corners(leaf), groups, bundled),
+                Part::Alone { node, places } => self.alone(places, bundled, |rays: &mut Alone<ANY>| {
+                    while let Some((place, mut traveller, start)) = rays.next() {
+                        tree.pass::<ANY>(level, node, (place, &mut traveller, start), lone_stack);
+                        rays.landed(place, &traveller);
+                    }
+                }),
+            }
+            bundled.is_over()
+        });
         true
     }
 

@@ -36,7 +36,9 @@ pub(super) struct PacketContext {
 /// For the tree over all triangles of an instance.
 pub(super) struct WholeRoom {
     pub stack: WideStack,
-    /// Rays of the packet that go alone through it.
+    /// For rays of the packet that go alone through it.
+    pub lone_stack: WideStack,
+    /// Those, ready for it.
     pub rays: Box<[WideRay; PACKET]>,
 }
 
@@ -74,6 +76,7 @@ impl TraceContext {
                 stack: WideStack::new(),
                 whole: WholeRoom {
                     stack: WideStack::new(),
+                    lone_stack: WideStack::new(),
                     rays: Box::new([WideRay::NONE; PACKET]),
                 },
             },

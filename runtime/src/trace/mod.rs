@@ -2,7 +2,8 @@
 //! kd-tree, or a wide one, some of whose boxes follow the pose.
 //!
 //! A ray is a state machine over these trees ([`flight`]): one alone goes from its begin to its end, those of a batch that no
-//! bundle takes ([`batch`]) take turns where they wait for memory ([`fly()`]).
+//! bundle takes ([`batch`]) take turns where they wait for memory ([`fly()`]). Those that part from their bundle inside an
+//! instance all of which is posed pass what is below one after the other ([`whole_tree`]).
 //!
 //! Inside, the ray is `origin + t·2^e·direction'` with the direction scaled by a power of two so that its longest
 //! component is in [1, 2): `t` then measures lengths, whatever the caller's units, and error bounds in lengths hold.

@@ -13,7 +13,8 @@ use restpose_formats::rows::{TriangleRow, WideChild};
 /// The tree over all posed triangles of an instance, for rays of a packet that part from their bundle at one of its nodes.
 ///
 /// They go one after the other, not in flight with each other ([`fly`](super::fly::fly)): there is little below the node, and what
-/// one has fetched the next one finds. So 1M rays of a camera before 1.35 million triangles took 66 ms, in flight 82.
+/// one has fetched the next one finds. In flight, 1M rays of a camera before 1.35 million triangles
+/// took a quarter longer.
 pub(super) struct WholeTree<'a> {
     id: InstanceId,
     whole: &'a Whole,

@@ -77,7 +77,8 @@ fn walk_with<S: Lanes>(
     let mut bundle = together.all;
     let mut limit = bundled.limit;
     loop {
-        let [enter, exit] = nodes[node as usize].meet(simd, node, &bundle, bundle.start, limit);
+        let parent = &nodes[node as usize];
+        let [enter, exit] = parent.meet(simd, node, &bundle, bundle.start, limit);
         // Not the children: where their boxes are, too, must be known.
         let places = std::array::from_fn(|place| node << 3 | place as u32);
         let first = count;
@@ -86,7 +87,7 @@ fn walk_with<S: Lanes>(
         // ask for leaves' triangles as well was no faster.
         for pending in first..count {
             let (_, place) = stack.at(pending);
-            let child = nodes[(place >> 3) as usize].children[place as usize % 8];
+            let child = parent.children[place as usize % 8];
             if child & WideChild::LEAF_BIT == 0 {
                 prefetch(std::slice::from_ref(&nodes[child as usize]));
             }

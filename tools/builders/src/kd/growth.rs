@@ -19,19 +19,19 @@ pub(super) struct OpenNode {
 ///
 /// Scale matters and count does: a leaf of one or two boxes in a large cell costs more than dozens in small ones, and
 /// leaves by count alone lose a tenth of the quality over an uneven scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Stop {
     /// The weight of all leaves that is expected of the tree, over its boxes. Zero stops at empty nodes only.
     pub weight_per_box: f64,
 }
 
-/// More fragments are always cut, however little they weigh: rays that are aimed at small things, as a camera's are, meet
+/// More fragments are never negligible, however little they weigh: rays that are aimed at small things, as a camera's are, meet
 /// them more often than the surface area says.
 const MOST_NEGLIGIBLE: usize = 8;
 
 /// A node is negligible below this many weights per box, over the cube of its fragments: with each of them it has more to
-/// gain, and a cut of one or two seldom gains what its price says. Loses up to 1.5 % of the expected cost and saves half of
-/// the nodes or more.
+/// gain, and a cut of one or two seldom gains what its price says. Loses up to 1.5 % of the expected cost and saves a third
+/// of the nodes or more.
 const NEGLIGIBLE: f64 = 24.0;
 
 impl Stop {

@@ -88,21 +88,21 @@ impl RankCounts {
         }
     }
 
-    /// The cheapest cut of a cell with the fragments in `list`, which were counted and have the box `bounds` around
-    /// them; `None` if none costs less than a leaf.
+    /// The cheapest cut of a cell with `count` fragments, which were counted and have the box `bounds` around them; `None` if
+    /// none costs less than a leaf.
     #[inline(always)]
     pub(super) fn cheapest_cut(
         &mut self,
         cell: &RankBox,
         bounds: &RankBox,
-        list: &[Ranked],
+        count: usize,
         cost: &CellCost,
     ) -> Option<RankCut> {
-        let mut best = self.cheapest_gap(cell, bounds, list.len(), cost);
-        let limit = best.map_or(cost.leaf(list.len()), |best| best.cost);
+        let mut best = self.cheapest_gap(cell, bounds, count, cost);
+        let limit = best.map_or(cost.leaf(count), |best| best.cost);
         let (mut cheapest, mut winner) = (f32::INFINITY, 3);
         for axis in 0..3 {
-            let least = self.sweep(axis, [cell.min[axis], cell.max[axis]], cost, list.len());
+            let least = self.sweep(axis, [cell.min[axis], cell.max[axis]], cost, count);
             if least < cheapest {
                 (cheapest, winner) = (least, axis);
             }
@@ -122,7 +122,7 @@ impl RankCounts {
                 axis: winner,
                 rank: rank as u8,
                 left: sum(&self.starts[winner], min, rank - 1),
-                right: list.len() as u32 - ended,
+                right: count as u32 - ended,
             });
         }
         best

@@ -1,9 +1,9 @@
 //! The exact sweep for small nodes: positions become ranks, and sorted lists become counters.
 //!
-//! A node of at most [`RankedCells::MAX_COUNT`] fragments has at most 256 different positions along an axis, the sides of
-//! its cell included. A position where fragments are flat has two ranks, between which these lie: a plane at the first has
-//! them on its right, one at the second on its left, and nothing else need know that some fragments are flat. Positions
-//! are sorted once; from there on a fragment is six bytes, the ranks of its sides. Below, a node
+//! A node of at most [`RankedCells::MAX_COUNT`] fragments has at most 256 ranks along an axis, those of its cell's sides included. A
+//! position where fragments are flat has two ranks, between which these lie: a plane at the first has them on its right, one
+//! at the second on its left, and nothing else need know that some fragments are flat. What a plane cuts ends at the first and
+//! begins at the second. Positions are sorted once; from there on a fragment is six bytes, the ranks of its sides. Below, a node
 //! counts how many fragments begin and end at each rank, which takes no sorting, and eight ranks are swept at a time.
 //!
 //! Source of the cost and its candidates: Günther, *Ray Tracing of Dynamic Scenes*, 2014, §4.1.2.
@@ -90,7 +90,7 @@ impl RankedCells {
         loop {
             let list = &self.stack.list[range.clone()];
             let cost = CellCost::new(&node.cell, settings);
-            let cut = self.counts.cheapest_cut(&cell, &bounds, list, &cost);
+            let cut = self.counts.cheapest_cut(&cell, &bounds, count, &cost);
             let room = tree.nodes.len() + 2 <= KdNodeRow::MAX_INDEX as usize;
             let Some(cut) = cut.filter(|cut| room && node.allows((cut.left + cut.right) as usize)) else {
                 self.counts.uncount(list);
@@ -106,7 +106,8 @@ impl RankedCells {
                 cell.max[cut.axis] = cut.rank;
             } else {
                 self.counts.uncount(list);
-                let [left, right] = self.stack.part(range, cut.axis, cut.rank);
+                let ends = self.ranks_at(cut.axis, cut.rank);
+                let [left, right] = self.stack.part(range, cut.axis, cut.rank, ends);
                 let [lower, upper] = node.cut(cut.axis, position, left.len(), right.len(), tree);
                 let (mut below, mut above) = (cell, cell);
                 below.max[cut.axis] = cut.rank;
@@ -116,6 +117,15 @@ impl RankedCells {
                 return;
             }
         }
+    }
+
+    /// The first and the last rank at the position of `rank`.
+    fn ranks_at(&self, axis: usize, rank: u8) -> [u8; 2] {
+        let positions = &self.positions[axis];
+        let is_same = |other: Option<u8>| {
+            other.filter(|&other| positions.get(usize::from(other)) == positions.get(usize::from(rank)))
+        };
+        [rank.checked_sub(1), rank.checked_add(1)].map(|other| is_same(other).unwrap_or(rank))
     }
 
     fn close(&mut self, node: &OpenNode, range: Range<usize>, fragments: &[Fragment], tree: &mut KdTree) {

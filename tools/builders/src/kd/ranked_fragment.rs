@@ -40,25 +40,32 @@ pub(super) struct RankedStack {
 
 impl RankedStack {
     /// Parts the topmost range at `rank`; the right child's is on top of the left one's. As
-    /// [`sift`](super::fragment::sift) does it.
+    /// [`sift`](super::fragment::sift) does it. What is cut ends at the first and begins at the last of the ranks at the same
+    /// position.
     #[inline(always)]
-    pub(super) fn part(&mut self, range: Range<usize>, axis: usize, rank: u8) -> [Range<usize>; 2] {
+    pub(super) fn part(
+        &mut self,
+        range: Range<usize>,
+        axis: usize,
+        rank: u8,
+        [first, last]: [u8; 2],
+    ) -> [Range<usize>; 2] {
         let begin = range.start;
         self.spare.resize(self.spare.len().max(range.len()), Ranked::default());
         let list = &mut self.list[range];
         let spare = &mut self.spare[..list.len()];
         let (low, high) = (8 * axis as u32, 8 * axis as u32 + 32);
-        let at = u64::from(rank);
+        let (first, last) = (u64::from(first), u64::from(last));
         let (mut left, mut right) = (0, 0);
         // Words are written whole: a byte written into one could not be forwarded to the read of the word.
         for next in 0..list.len() {
             let Ranked(word) = list[next];
             let (min, max) = ((word >> low) as u8, (word >> high) as u8);
             let (below, above) = (min < rank, max > rank);
-            let lower = word & !(0xff << high) | at << high;
+            let lower = word & !(0xff << high) | first << high;
             list[left] = Ranked(if above { lower } else { word });
             left += usize::from(below);
-            let upper = word & !(0xff << low) | at << low;
+            let upper = word & !(0xff << low) | last << low;
             spare[right] = Ranked(if below { upper } else { word });
             right += usize::from(above);
         }

@@ -40,7 +40,7 @@ pub struct TrackedKd {
     known: Vec<KnownNode>,
     grown: Vec<KnownNode>,
     frames: u32,
-    /// Half the tree's surface area times its expected tests, over its boxes.
+    /// Half the tree's surface area times its expected cost in tests, steps included, over its boxes.
     tests_per_box: f64,
     stack: FragmentStack,
     open: Vec<OpenTracked>,
@@ -68,8 +68,8 @@ struct OpenTracked {
     above: Option<(u32, usize)>,
 }
 
-/// Leaves may weigh so many times as much as where a tree is built once: a tree of one frame has fewer rays to earn its
-/// nodes. Loses half a percent of the expected cost and saves an eighth of the nodes.
+/// Leaves may weigh so many times their share of the tree's expected cost, which steps add to: a tree of one frame has fewer
+/// rays to earn its nodes. Loses half a percent of the expected cost and saves an eighth of the nodes.
 const COARSER: f64 = 2.0;
 
 /// A tracked cut may be dearer, compared to a leaf, by this factor before all axes are searched.

@@ -89,6 +89,12 @@ fn small_nodes_are_swept_exactly() {
             let boxes = family(n, 5);
             let exact = build(&mut KdBuilder::new(), &boxes, &settings);
             let tree = build(&mut StreamedKd::thesis(), &boxes, &settings);
+            // What a plane cuts is listed on both sides; flat boxes in the plane must not make that happen twice.
+            let [most, references] = [exact.references.len(), tree.references.len()];
+            assert!(
+                50 * references <= 51 * most,
+                "{name}, {n} boxes: {references} references, {most}"
+            );
             let [exact, cost] = [exact, tree].map(|tree| sah_cost(&tree.nodes, &tree.bounds, &settings));
             // Costs in single precision decide otherwise where two cuts are alike, and each cut changes those below it.
             assert!(
@@ -113,7 +119,14 @@ fn small_leaves_lose_little_whatever_boxes_are_like() {
     }
     let mut shuffled = furnished.clone();
     fastrand::Rng::with_seed(1).shuffle(&mut shuffled);
+    // Among things that overlap each other, a cloud that does not: what the first weigh says nothing of the others.
+    let mut clump = scattered(2000, 3, 0.05, 0.05);
+    clump
+        .iter_mut()
+        .for_each(|own| (own.min[0], own.max[0]) = (own.min[0] + 2.0, own.max[0] + 2.0));
+    clump.extend(scattered(30_000, 4, 1.0, 0.005));
     for (name, boxes) in [
+        ("beside a clump", clump),
         ("far apart", scattered(50_000, 1, 1.0, 0.005)),
         ("near each other", scattered(50_000, 1, 1.0, 0.03)),
         ("furnished", furnished),
