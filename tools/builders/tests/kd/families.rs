@@ -121,3 +121,15 @@ fn teapot_in_stadium(n: usize, seed: u64) -> Vec<Aabb> {
     }
     boxes
 }
+
+/// Things in a room, each of a thousand boxes that are small beside those of its walls.
+pub fn furnished() -> Vec<Aabb> {
+    let mut out = walls(1000, 1);
+    for (piece, place) in scattered(20, 2, 3.0, 0.0).into_iter().enumerate() {
+        out.extend(scattered(1000, piece as u64, 0.01, 1e-3).into_iter().map(|small| Aabb {
+            min: std::array::from_fn(|k| small.min[k] + place.min[k] + 4.0),
+            max: std::array::from_fn(|k| small.max[k] + place.min[k] + 4.0),
+        }));
+    }
+    out
+}

@@ -1,6 +1,6 @@
 //! Streamed binning of kd-trees: what a tree promises over families of boxes, its cost, and its bytes.
 
-use crate::families::{FAMILIES, scattered};
+use crate::families::{FAMILIES, furnished, scattered};
 use restpose_builders::kd::{KdTreeBuilder, StreamedKd};
 use restpose_runtime::Aabb;
 use restpose_runtime::build::{CheckedBoxes, KdBuilder, KdSettings, KdTree, MAX_REFERENCE_GROWTH, sah_cost};
@@ -108,15 +108,7 @@ fn small_nodes_are_swept_exactly() {
 #[test]
 fn small_leaves_lose_little_whatever_boxes_are_like() {
     let settings = KdSettings::default();
-    let room = FAMILIES.iter().find(|(name, _)| *name == "walls").unwrap().1;
-    // Things in a room, each of a thousand boxes.
-    let mut furnished = room(1000, 1);
-    for (piece, place) in scattered(20, 2, 3.0, 0.0).into_iter().enumerate() {
-        furnished.extend(scattered(1000, piece as u64, 0.01, 1e-3).into_iter().map(|small| Aabb {
-            min: std::array::from_fn(|k| small.min[k] + place.min[k] + 4.0),
-            max: std::array::from_fn(|k| small.max[k] + place.min[k] + 4.0),
-        }));
-    }
+    let furnished = furnished();
     let mut shuffled = furnished.clone();
     fastrand::Rng::with_seed(1).shuffle(&mut shuffled);
     // Among things that overlap each other, a cloud that does not: what the first weigh says nothing of the others.
