@@ -6,7 +6,7 @@ use crate::{
     cluster_frame::SlabRay,
     prepared::Whole,
     simd::{Lanes, Portable, SimdLevel},
-    wide::{PACKET, WideBoxes, WideRay, WideStack},
+    wide::{Descent, PACKET, WideRay, WideStack},
 };
 use restpose_formats::rows::{TriangleRow, WideChild};
 
@@ -90,29 +90,27 @@ impl<'a> WholeTree<'a> {
     fn pass_with<const ANY: bool, S: Lanes>(
         &self,
         simd: S,
-        mut node: u32,
+        node: u32,
         ray: &WideRay,
         start: f32,
         traveller: &mut Traveller,
         stack: &mut WideStack,
     ) {
-        let mut count = 0;
+        let (mut count, mut below) = (0, Some(node));
         loop {
-            let boxes = &self.whole.nodes[node as usize];
-            let [enter, exit] = boxes.meet(simd, node, ray, start, traveller.limit);
-            count += simd.sort8(enter, exit, &boxes.children, stack.eight(count));
-            loop {
-                let Some(child) = stack.pop(&mut count, 0, traveller.limit) else {
-                    return;
-                };
-                if child & WideChild::LEAF_BIT == 0 {
-                    node = child;
-                    break;
-                }
-                let triangle = child & !WideChild::LEAF_BIT;
-                if traveller.test(&self.corners(triangle), self.id, triangle) && ANY {
-                    return;
-                }
+            let way = Descent {
+                start,
+                limit: traveller.limit,
+                floor: 0,
+                is_far: false,
+            };
+            let nodes = &self.whole.nodes[..];
+            let Some(leaf) = way.next(simd, nodes, ray, below.take(), stack, &mut count, &mut ()) else {
+                return;
+            };
+            let triangle = leaf & !WideChild::LEAF_BIT;
+            if traveller.test(&self.corners(triangle), self.id, triangle) && ANY {
+                return;
             }
         }
     }

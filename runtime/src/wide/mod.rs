@@ -35,7 +35,6 @@ mod stack;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use boxes::WideBoxes;
 pub(crate) use collapse::collapse;
 pub(crate) use descent::Descent;
 pub(crate) use fuzzy_ray::FuzzyRay;

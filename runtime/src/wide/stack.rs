@@ -40,7 +40,7 @@ impl WideStack {
 
     /// Takes the last of the children above `floor` that the ray enters before `limit`.
     #[inline(always)]
-    pub(crate) fn pop(&self, count: &mut usize, floor: usize, limit: f32) -> Option<u32> {
+    pub(super) fn pop(&self, count: &mut usize, floor: usize, limit: f32) -> Option<u32> {
         while *count > floor {
             *count -= 1;
             let (enter, child) = self.at(*count);
@@ -53,7 +53,7 @@ impl WideStack {
 
     /// Eight places from `first` on.
     #[inline(always)]
-    pub(crate) fn eight(&mut self, first: usize) -> (&mut [f32; 8], &mut [u32; 8]) {
+    pub(super) fn eight(&mut self, first: usize) -> (&mut [f32; 8], &mut [u32; 8]) {
         let enter = self.enter[first..].first_chunk_mut();
         let tags = self.tags[first..].first_chunk_mut();
         match (enter, tags) {
