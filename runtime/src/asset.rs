@@ -30,6 +30,8 @@ pub struct Asset {
     /// Over the clusters of an asset without vertex caches, in the rest pose.
     top_level: TopLevel,
     posing_limits: PosingLimits,
+    /// Nodes of the wide trees that a pose goes by, about.
+    nodes_per_pose: usize,
 }
 
 /// Linear in the references.
@@ -151,8 +153,17 @@ impl Asset {
         let rest_boxes = RestBoxes::new(view);
         let envelope_hints = EnvelopeHints::new(view);
         let posing_limits = PosingLimits::new(view.vertices.len(), view.triangles.len());
+        // Of a part with time segments, one of them is in use.
+        let in_segments: u64 = view
+            .clusters
+            .iter()
+            .map(|cluster| u64::from(cluster.triangle_count))
+            .sum();
+        let nodes_per_pose =
+            (view.wide_nodes.len() as u64 * view.triangles.len() as u64).div_ceil(in_segments.max(1)) as usize;
         Self {
             model,
+            nodes_per_pose,
             vertex_error,
             cache_vertex_error,
             box_steps,
@@ -231,6 +242,11 @@ impl Asset {
     /// The topology over its clusters, where it has no vertex caches.
     pub(crate) fn top_level(&self) -> &TopLevel {
         &self.top_level
+    }
+
+    /// Nodes of the wide trees that a pose goes by, about.
+    pub(crate) fn nodes_per_pose(&self) -> usize {
+        self.nodes_per_pose
     }
 
     /// Rays that are worth posing more than they reach.

@@ -158,10 +158,15 @@ impl Demand {
 
     /// Counts a ray for which so many triangles were tested, where the whole was not posed.
     pub(crate) fn count(&self, tests: u32, limits: &PosingLimits) {
+        self.count_bundle(1, tests.saturating_add(ENTRY), limits);
+    }
+
+    /// Counts rays that went together, where the whole was not posed and would have saved them so much in all.
+    pub(crate) fn count_bundle(&self, rays: u32, work: u32, limits: &PosingLimits) {
         // Beyond what matters nothing is counted, and threads do not meet here.
         if self.work.load(Relaxed) < limits.counted && self.rays.load(Relaxed) < limits.counted {
-            self.rays.fetch_add(1, Relaxed);
-            self.work.fetch_add(tests.saturating_add(ENTRY), Relaxed);
+            self.rays.fetch_add(rays, Relaxed);
+            self.work.fetch_add(work, Relaxed);
         }
     }
 

@@ -17,6 +17,14 @@ pub(crate) struct LatticeRay {
 }
 
 impl LatticeRay {
+    /// Stands where no ray is.
+    pub(crate) const NONE: Self = Self {
+        rate: [0.0; 3],
+        near: [0.0; 3],
+        far: [0.0; 3],
+        forward: [true; 3],
+    };
+
     /// `steps` are those of [`restpose_formats::rows::box_steps`]; planes may be a fourteenth of the lattice beyond its ends, as
     /// those between two keys. Along an axis where a plane's `t` could overflow, or
     /// its rate is so small that rounding is no longer relative to it, boxes restrict nothing.

@@ -1,4 +1,4 @@
-use super::{EXTENT_LIMIT, F64_SLACK, FrameInputs, SlabRay, UNDERFLOW_FLOOR, slab_ray::distance};
+use super::{EXTENT_LIMIT, F64_SLACK, FrameInputs, SlabLanes, SlabRay, UNDERFLOW_FLOOR, slab_ray::distance};
 use crate::{
     affine64::wide,
     simd::{Doubles, Lanes, weighted_sum},
@@ -18,6 +18,16 @@ pub(super) const RAY_ERROR: f32 = (VERTEX_ERROR + 18.0 * UNIT_ROUNDOFF) as f32;
 /// has an inverse: planes of a lattice could not restrict a ray that is parallel to them.
 const SHORTEST: f32 = UNIT_ROUNDOFF as f32 / RAY_ERROR;
 
+/// 2⁻⁶⁰: clusters of which the margin per unit of distance, about 24u·`Σ|L|`, is less than this or more than its inverse are left to
+/// single rays.
+const LEAST_SCALE: f32 = 1.0 / (1u64 << 60) as f32;
+
+/// 2⁻⁹⁶: what bundles add to distances, for what underflows because their directions are not scaled. An operation underflows by at
+/// most 2⁻¹⁵⁰. Of a `t` that is a length of 2⁻¹²⁰·`Σ|L|` along a direction of up to 2³⁰, where this adds 2⁻¹¹⁶·`Σ|L|` to the margin.
+/// In a direction's component it is a length of 2⁻¹¹⁸·D where the direction is as short as 2⁻³⁰, far below the u·`Σ|L|`·D that the
+/// margin has to spare, with such scales.
+const BUNDLE_FLOOR: f32 = 1.0 / (1u128 << 96) as f32;
+
 /// `x ↦ linear·(x − center_world) + center_local`, and the margins that go with it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LocalFrame {
@@ -31,6 +41,16 @@ pub(crate) struct LocalFrame {
     margin_posed: [f32; 3],
     /// [`RAY_ERROR`]`·Σ|L|` per local axis.
     margin_per_distance: [f32; 3],
+}
+
+/// What a bundle needs of a cluster's local space.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BundleFrame {
+    /// The greatest of its rays' margins, and those for boxes that follow the pose.
+    pub margin: [f32; 3],
+    pub margin_posed: [f32; 3],
+    /// Components of directions are at least this long.
+    shortest: [f32; 3],
 }
 
 impl LocalFrame {
@@ -146,20 +166,81 @@ impl LocalFrame {
         let ray = SlabRay {
             origin,
             inverse_direction: std::array::from_fn(|k| {
-                let (along, shortest) = (product(direction, k), SHORTEST * self.margin_per_distance[k]);
-                1.0 / if along.abs() < shortest {
-                    shortest.copysign(along)
-                } else {
-                    along
-                }
+                1.0 / lengthened(product(direction, k), SHORTEST * self.margin_per_distance[k])
             }),
             margin: std::array::from_fn(|k| with(&self.margin_local, k)),
         };
         (ray, std::array::from_fn(|k| with(&self.margin_posed, k)))
     }
 
+    /// What [`Self::enter_lanes`] needs for rays of a bundle: the longest components of their directions are from 2⁻³⁰ to 2³⁰, and
+    /// at least `longest`; from where they begin it is at most `far` to any point of the cluster's world box, along each axis.
+    /// `None` where numbers could under- or overflow.
+    pub(crate) fn bundle(&self, longest: f32, far: f32) -> Option<BundleFrame> {
+        let per_distance = &self.margin_per_distance;
+        // So that directions, and their inverses, stay between 2⁻¹²⁶ and 2¹²⁶.
+        if !per_distance
+            .iter()
+            .all(|m| (LEAST_SCALE..=1.0 / LEAST_SCALE).contains(m))
+        {
+            return None;
+        }
+        let far = far + BUNDLE_FLOOR;
+        let margin = |own: &[f32; 3]| std::array::from_fn(|k| own[k] + per_distance[k] * far);
+        Some(BundleFrame {
+            margin: margin(&self.margin_local),
+            margin_posed: margin(&self.margin_posed),
+            shortest: per_distance.map(|m| SHORTEST * m * longest),
+        })
+    }
+
+    /// As [`Self::enter`], for eight rays of a bundle, whose directions need not be scaled.
+    #[inline(always)]
+    pub(crate) fn enter_lanes<S: Lanes>(
+        &self,
+        simd: S,
+        origin: &[[f32; 8]; 3],
+        direction: &[[f32; 8]; 3],
+        bundle: &BundleFrame,
+        out: &mut SlabLanes,
+    ) {
+        let mut from_center = [simd.splat8(0.0); 3];
+        for k in 0..3 {
+            from_center[k] = simd.sub8(simd.load8(&origin[k]), simd.splat8(self.center_world[k]));
+        }
+        let direction = [
+            simd.load8(&direction[0]),
+            simd.load8(&direction[1]),
+            simd.load8(&direction[2]),
+        ];
+        for k in 0..3 {
+            let moved = product_lanes(simd, &self.linear[k], from_center);
+            simd.store8(simd.add8(moved, simd.splat8(self.center_local[k])), &mut out.origin[k]);
+            let mut along = [0.0; 8];
+            simd.store8(product_lanes(simd, &self.linear[k], direction), &mut along);
+            for lane in 0..8 {
+                out.inverse_direction[k][lane] = 1.0 / lengthened(along[lane], bundle.shortest[k]);
+            }
+        }
+    }
+
     /// The largest part of the margin that does not depend on the ray, relative to nothing: local units.
     pub(crate) fn largest_margin(&self) -> f32 {
         self.margin_local.iter().fold(0.0, |largest: f32, m| largest.max(*m))
     }
+}
+
+#[inline(always)]
+fn lengthened(along: f32, shortest: f32) -> f32 {
+    if along.abs() < shortest {
+        shortest.copysign(along)
+    } else {
+        along
+    }
+}
+
+#[inline(always)]
+fn product_lanes<S: Lanes>(simd: S, row: &[f32; 3], [x, y, z]: [S::F8; 3]) -> S::F8 {
+    let xy = simd.add8(simd.mul8(simd.splat8(row[0]), x), simd.mul8(simd.splat8(row[1]), y));
+    simd.add8(xy, simd.mul8(simd.splat8(row[2]), z))
 }

@@ -52,9 +52,9 @@ pub use inverse::invert_frame;
 
 pub(crate) use extents::world_box;
 pub(crate) use lattice_ray::LatticeRay;
-pub(crate) use local_frame::LocalFrame;
+pub(crate) use local_frame::{BundleFrame, LocalFrame};
 pub(crate) use posed_map::{Entering, Map64, PosedMap};
-pub(crate) use slab_ray::SlabRay;
+pub(crate) use slab_ray::{SlabLanes, SlabRay};
 
 use crate::{
     simd::{Doubles, Lanes},
@@ -69,7 +69,7 @@ use restpose_formats::geom::{
 /// Beyond this a coordinate in local space, or its distance to another, may have overflowed to infinity: fuzzy boxes that
 /// reach further are not used (their sides were cut off at `f32::MAX`), and ray origins beyond it are restricted by
 /// nothing.
-const EXTENT_LIMIT: f64 = (1u128 << 126) as f64;
+pub(crate) const EXTENT_LIMIT: f64 = (1u128 << 126) as f64;
 
 /// [`local_frame::RAY_ERROR`] in world space, where no ray is transformed: triangle test 6u, slabs 4u, and in bundles directions that are
 /// lengthened 2u; 16u covers them.

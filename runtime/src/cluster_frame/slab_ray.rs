@@ -10,6 +10,20 @@ pub(crate) struct SlabRay {
     pub margin: [f32; 3],
 }
 
+/// Eight rays, lane by lane, without their margins.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SlabLanes {
+    pub origin: [[f32; 8]; 3],
+    pub inverse_direction: [[f32; 8]; 3],
+}
+
+impl SlabLanes {
+    pub(crate) const NONE: Self = Self {
+        origin: [[0.0; 8]; 3],
+        inverse_direction: [[0.0; 8]; 3],
+    };
+}
+
 /// The greatest distance per axis from `origin` to a point of `bounds`.
 pub(super) fn distance(origin: [f32; 3], bounds: &Aabb) -> f32 {
     (0..3).fold(0.0, |far: f32, k| {

@@ -34,6 +34,7 @@ use crate::{
     vertex::pose_vertex,
     vertex_memo::VertexMemo,
     whole_pose::{pose_cached_vertices, pose_vertices},
+    wide::FuzzyBoxes,
 };
 use kept::Kept;
 use restpose_formats::{
@@ -241,6 +242,25 @@ impl Prepared {
         (state, state.posed(first, self, asset, &self.bounds[slot], motions))
     }
 
+    /// Where the boxes of a cluster's wide tree are.
+    #[inline(always)]
+    pub(crate) fn fuzzy_boxes<'a>(
+        &'a self,
+        model: &ModelView<'a>,
+        state: &ClusterState,
+        posed: &'a PosedCluster,
+    ) -> FuzzyBoxes<'a> {
+        let keys = match state.cache {
+            NONE => None,
+            cache => self.caches[cache as usize].key_boxes(model, &model.clusters[state.row as usize]),
+        };
+        FuzzyBoxes {
+            keys,
+            motions: &posed.movers,
+            movers: model.node_movers,
+        }
+    }
+
     /// Does what the rays that came are worth, for those that enter now. They are to be [counted](Self::count) when it is known
     /// what they cost; where it is the whole, as [many](Self::count_whole) as they are.
     #[inline]
@@ -280,6 +300,12 @@ impl Prepared {
     #[inline]
     pub(crate) fn count(&self, tests: u32) {
         self.demand.count(tests, &self.limits);
+    }
+
+    /// Counts rays that went through the clusters together, at the cost of posing and testing so many triangles in all.
+    #[inline]
+    pub(crate) fn count_bundle(&self, rays: u32, tests: u32) {
+        self.demand.count_bundle(rays, tests, &self.limits);
     }
 
     pub(crate) fn demand(&self) -> &Demand {

@@ -7,11 +7,13 @@ use super::{
 use crate::{
     Hit, InstanceId,
     asset_instance::AssetInstance,
+    cluster_frame::LatticeRay,
     excess::Motions,
     prepared::Prepared,
     scene::Scene,
-    wide::{GROUP, GroupHits, PACKET, Packet, WideRay, WideStack},
+    wide::{FuzzyPath, GROUP, GroupHits, LocalRays, PACKET, Packet, WideNode, WideRay, WideStack},
 };
+use restpose_formats::rows::MAX_WIDE_DEPTH;
 use std::cell::RefCell;
 
 /// Scratch of a ray's way through a scene. Making it costs more than a ray does: keep one per thread.
@@ -30,16 +32,28 @@ pub(super) struct PacketContext {
     pub hits: [GroupHits; PACKET / GROUP],
     /// For the tree over instances.
     pub stack: WideStack,
-    pub whole: WholeRoom,
+    pub inside: InsideRoom,
 }
 
-/// For the tree over all triangles of an instance.
-pub(super) struct WholeRoom {
+/// For the trees of an instance.
+pub(super) struct InsideRoom {
+    /// For the one over all of its triangles, or over its clusters.
     pub stack: WideStack,
-    /// For rays of the packet that go alone through it.
+    /// For rays of the packet that go alone through trees over triangles.
     pub lone_stack: WideStack,
-    /// Those, ready for it.
-    pub rays: Box<[WideRay; PACKET]>,
+    /// Those, ready for the one over all of its triangles.
+    pub whole_rays: Box<[WideRay; PACKET]>,
+    pub cluster: ClusterRoom,
+}
+
+/// For the tree of a cluster in its local space.
+pub(super) struct ClusterRoom {
+    pub stack: WideStack,
+    /// Rays that go together.
+    pub local: Box<LocalRays>,
+    pub path: Box<FuzzyPath>,
+    /// Rays that go alone, ready for the tree's two lattices.
+    pub rays: Box<[[LatticeRay; 2]; PACKET]>,
 }
 
 pub(super) struct FlightContext {
@@ -74,10 +88,16 @@ impl TraceContext {
                 travellers: vec![None; PACKET],
                 hits: [GroupHits::NONE; PACKET / GROUP],
                 stack: WideStack::new(),
-                whole: WholeRoom {
+                inside: InsideRoom {
                     stack: WideStack::new(),
                     lone_stack: WideStack::new(),
-                    rays: Box::new([WideRay::NONE; PACKET]),
+                    whole_rays: Box::new([WideRay::NONE; PACKET]),
+                    cluster: ClusterRoom {
+                        stack: WideStack::new(),
+                        local: Box::new(LocalRays::NONE),
+                        path: Box::new([WideNode::EMPTY; MAX_WIDE_DEPTH]),
+                        rays: Box::new([[LatticeRay::NONE; 2]; PACKET]),
+                    },
                 },
             },
         }

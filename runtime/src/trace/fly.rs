@@ -1,7 +1,7 @@
 use super::{
     binary_trees::pass_geometry,
     context::FlightContext,
-    flight::{Actor, Flight, Next},
+    flight::{Actor, Flight, Inside, Next},
     traveller::Traveller,
 };
 #[cfg(target_arch = "x86_64")]
@@ -41,7 +41,7 @@ pub(super) enum Departure {
     /// At a node of the tree over instances.
     Scene { node: u32 },
     /// In an instance.
-    Instance { index: u32 },
+    Instance { index: u32, inside: Inside },
 }
 
 /// Traces rays, `N` of them in flight at a time, at a time of the scene's interval from 0 to 1: each ends at its closest hit,
@@ -122,7 +122,12 @@ fn fly_with<const ANY: bool, const N: usize, S: Lanes, R: Rays, C: Count>(
             let is_flying = if let Next::EnterInstance(index) = flight.next {
                 flight.next = Next::TakePending;
                 let accepts = rays.accepts(scene.id(index));
-                !(accepts && enter_instance::<ANY, S, C>(simd, scene, index, time, flight, context, counters))
+                let inside = match departure {
+                    Departure::Instance { inside, .. } => inside,
+                    Departure::Scene { .. } => Inside::All,
+                };
+                let place = (index, inside);
+                !(accepts && enter_instance::<ANY, S, C>(simd, scene, place, time, flight, context, counters))
             } else {
                 flight.step::<ANY, S, C>(simd, &mut context.stacks[slot], &mut context.cluster, counters)
             };
@@ -149,7 +154,7 @@ fn begin<'a>(
     let ray = WideRay::new(&SlabRay::in_world(traveller.origin, traveller.direction, bounds));
     match departure {
         Departure::Scene { node } => Flight::in_scene(traveller, start, nodes, ray, node),
-        Departure::Instance { index } => {
+        Departure::Instance { index, .. } => {
             let mut flight = Flight::in_scene(traveller, start, nodes, ray, 0);
             flight.next = Next::FindInstance(index);
             flight
@@ -162,7 +167,7 @@ fn begin<'a>(
 fn enter_instance<'a, const ANY: bool, S: Lanes, C: Count>(
     simd: S,
     scene: &'a Scene,
-    index: u32,
+    (index, inside): (u32, Inside),
     time: f32,
     flight: &mut Flight<'a>,
     context: &mut FlightContext,
@@ -186,7 +191,7 @@ fn enter_instance<'a, const ANY: bool, S: Lanes, C: Count>(
                 asset: instance.asset(),
                 prepared,
             };
-            flight.enter_actor(actor, prepared.enter_counted(instance.pool()));
+            flight.enter_inside(actor, prepared.enter_counted(instance.pool()), inside);
             false
         }
     }

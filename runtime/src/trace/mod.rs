@@ -14,9 +14,13 @@
 
 mod batch;
 mod binary_trees;
+mod bundle;
+mod clusters_together;
 mod context;
 mod flight;
 mod fly;
+mod fuzzy_tree;
+mod lone_rays;
 mod mailbox;
 mod moments;
 mod ray_order;

@@ -38,6 +38,8 @@ pub(super) struct RayBundle {
     origin: [[f32; 3]; 2],
     /// Least and greatest inverses of directions: per axis of one sign, and finite.
     inverse_direction: [[f32; 3]; 2],
+    /// What the longest component of each direction is at least, and not below the inverse of [`DIRECTION_LIMIT`].
+    pub longest: f32,
     /// Before the least `t_min`.
     pub start: f32,
     /// Behind the greatest `t_max`.
@@ -102,6 +104,7 @@ impl RayBundle {
         (longest >= 1.0 / DIRECTION_LIMIT).then(|| Self {
             origin,
             inverse_direction: [inverse(high), inverse(low)],
+            longest,
             start: t_min.next_down(),
             end: t_max.next_up(),
         })
@@ -111,10 +114,16 @@ impl RayBundle {
     /// folding it into an origin needs (see [`WideRay`](super::WideRay)).
     #[inline]
     pub(super) fn outwards(&self, bounds: &Aabb) -> [f32; 3] {
+        let margin = WORLD_RAY_ERROR * self.distance(bounds) + FLOOR;
+        origin_slack(&self.origin).map(|slack| slack + margin)
+    }
+
+    /// The greatest distance per axis from where a ray begins to a point of `bounds`.
+    #[inline]
+    pub(super) fn distance(&self, bounds: &Aabb) -> f32 {
         let [low, high] = &self.origin;
         let far = |far: f32, k: usize| far.max(bounds.max[k] - low[k]).max(high[k] - bounds.min[k]);
-        let margin = WORLD_RAY_ERROR * (0..3).fold(0.0, far) + FLOOR;
-        std::array::from_fn(|k| ORIGIN_SLACK * low[k].abs().max(high[k].abs()) + margin)
+        (0..3).fold(0.0, far)
     }
 
     /// Roughly which part of the cross-section of `bounds` the bundle covers, up to `limit`: what it may meet that each of
@@ -155,6 +164,12 @@ impl RayBundle {
     }
 }
 
+/// What folding a margin into origins needs, per axis (see [`WideRay`](super::WideRay)).
+#[inline]
+pub(super) fn origin_slack([low, high]: &[[f32; 3]; 2]) -> [f32; 3] {
+    std::array::from_fn(|k| ORIGIN_SLACK * low[k].abs().max(high[k].abs()))
+}
+
 /// A bundle ready for nodes whose boxes are `f32`, with the margin that boxes inside of some bounds need.
 ///
 /// # Why it misses nothing that one of its rays hits
@@ -175,22 +190,32 @@ pub(crate) struct WideBundle {
 }
 
 impl WideBundle {
-    /// `None` where distances overflow.
+    /// In world space. `None` where distances overflow.
     #[inline]
     pub(super) fn new(bundle: &RayBundle, bounds: &Aabb) -> Option<Self> {
-        let [low, high] = &bundle.origin;
         let outwards = bundle.outwards(bounds);
+        Self::from_extremes(&bundle.origin, bundle.inverse_direction, outwards, bundle.start)
+    }
+
+    /// Of least and greatest origins and inverses of directions, where planes move by `outwards`. `None` where distances overflow.
+    #[inline]
+    pub(super) fn from_extremes(
+        [low, high]: &[[f32; 3]; 2],
+        inverse_direction: [[f32; 3]; 2],
+        outwards: [f32; 3],
+        start: f32,
+    ) -> Option<Self> {
         let mut out = Self {
             near: [0.0; 3],
             far: [0.0; 3],
-            inverse_direction: bundle.inverse_direction,
+            inverse_direction,
             near_row: [0; 3],
-            start: bundle.start,
+            start,
         };
         let mut reach = 0.0;
         for k in 0..3 {
             let (above, below) = (high[k] + outwards[k], low[k] - outwards[k]);
-            let forward = bundle.inverse_direction[0][k] > 0.0;
+            let forward = inverse_direction[0][k] > 0.0;
             (out.near[k], out.far[k]) = if forward { (above, below) } else { (below, above) };
             out.near_row[k] = usize::from(!forward);
             reach += above.abs() + below.abs();

@@ -2,19 +2,55 @@ use super::{boxes::WideBoxes, key_boxes::KeyBoxes};
 use crate::{cluster_frame::LatticeRay, mover_maps::MoverMaps, simd::Lanes};
 use restpose_formats::rows::{MAX_MOVERS, MOVER_WEIGHTS, NodeMoverRow, WideNodeRow};
 
-/// A ray ready for the nodes of a cluster's wide tree, in its local space.
+/// Where the boxes of a cluster's wide tree are in a pose, on one of its two lattices.
 #[derive(Clone, Copy)]
-pub(crate) struct FuzzyRay<'a> {
-    /// On the lattice of the fuzzy boxes, for nodes without movers.
-    pub fuzzy: LatticeRay,
+pub(crate) struct FuzzyBoxes<'a> {
     /// Boxes of all nodes at keys, where they have any; none of them has movers then.
     pub keys: Option<KeyBoxes<'a>>,
-    /// On the lattice of the rest positions, for those with movers.
-    pub posed: LatticeRay,
     /// How the cluster's movers move against it.
     pub motions: &'a MoverMaps,
     /// The file's rows.
     pub movers: &'a [NodeMoverRow],
+}
+
+impl FuzzyBoxes<'_> {
+    /// Asks for what [`Self::planes`] reads, apart from the node itself.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, at: u32) {
+        if let Some(keys) = &self.keys {
+            keys.prefetch(at);
+        }
+    }
+
+    /// Per axis, the least and the greatest sides of a node's eight boxes, in steps of the lattice of fuzzy boxes, or where they
+    /// [follow](follows) the pose, of rest positions.
+    #[inline(always)]
+    pub(super) fn planes<S: Lanes>(&self, simd: S, node: &WideNodeRow, at: u32) -> [[S::F8; 2]; 3] {
+        let stored = stored_planes(simd, node);
+        if let Some(keys) = &self.keys {
+            keys.planes(simd, at, stored)
+        } else if follows(node) {
+            posed_planes(simd, node, stored, self)
+        } else {
+            stored
+        }
+    }
+}
+
+/// Whether a node's boxes follow the pose.
+#[inline(always)]
+pub(super) fn follows(node: &WideNodeRow) -> bool {
+    node.mover_count != 0
+}
+
+/// A ray ready for the nodes of a cluster's wide tree, in its local space.
+#[derive(Clone, Copy)]
+pub(crate) struct FuzzyRay<'a> {
+    pub boxes: FuzzyBoxes<'a>,
+    /// On the lattice of the fuzzy boxes.
+    pub fuzzy: LatticeRay,
+    /// On the lattice of the rest positions.
+    pub posed: LatticeRay,
 }
 
 impl WideBoxes<FuzzyRay<'_>> for WideNodeRow {
@@ -25,21 +61,14 @@ impl WideBoxes<FuzzyRay<'_>> for WideNodeRow {
 
     #[inline(always)]
     fn prefetch(at: u32, ray: &FuzzyRay<'_>) {
-        if let Some(keys) = &ray.keys {
-            keys.prefetch(at);
-        }
+        ray.boxes.prefetch(at);
     }
 
     #[inline(always)]
     fn meet<S: Lanes>(&self, simd: S, at: u32, ray: &FuzzyRay<'_>, start: f32, limit: f32) -> [S::F8; 2] {
-        if let Some(keys) = &ray.keys {
-            let planes = keys.planes(simd, at, stored_planes(simd, self));
-            meet_planes(simd, planes, &ray.fuzzy, start, limit)
-        } else if self.mover_count == 0 {
-            meet_planes(simd, stored_planes(simd, self), &ray.fuzzy, start, limit)
-        } else {
-            meet_planes(simd, posed_planes(simd, self, ray), &ray.posed, start, limit)
-        }
+        let planes = ray.boxes.planes(simd, self, at);
+        let lattice = if follows(self) { &ray.posed } else { &ray.fuzzy };
+        meet_planes(simd, planes, lattice, start, limit)
     }
 }
 
@@ -86,20 +115,24 @@ fn meet_planes<S: Lanes>(simd: S, planes: [[S::F8; 2]; 3], ray: &LatticeRay, sta
 /// 2005: bounding volumes of skinned vertices follow the bones by their weights. Differs: boxes for spheres; weights vary
 /// within a box; eight at a time, when a ray asks.
 #[inline(always)]
-pub(super) fn posed_planes<S: Lanes>(simd: S, node: &WideNodeRow, ray: &FuzzyRay<'_>) -> [[S::F8; 2]; 3] {
+fn posed_planes<S: Lanes>(
+    simd: S,
+    node: &WideNodeRow,
+    mut planes: [[S::F8; 2]; 3],
+    boxes: &FuzzyBoxes<'_>,
+) -> [[S::F8; 2]; 3] {
     let part = simd.splat8(0.5);
-    let mut planes = stored_planes(simd, node);
     let (mut center, mut half) = ([part; 3], [part; 3]);
     for k in 0..3 {
         let [min, max] = planes[k];
         center[k] = simd.mul8(simd.add8(min, max), part);
         let side = simd.mul8(simd.sub8(max, min), part);
-        half[k] = simd.add8(side, simd.splat8(ray.motions.morphed[k]));
+        half[k] = simd.add8(side, simd.splat8(boxes.motions.morphed[k]));
     }
     let (mut middle, mut reach) = (center, half);
     let unit = simd.splat8(1.0 / MOVER_WEIGHTS);
-    for row in node.movers(ray.movers) {
-        let map = &ray.motions.maps[row.mover as usize % MAX_MOVERS];
+    for row in node.movers(boxes.movers) {
+        let map = &boxes.motions.maps[row.mover as usize % MAX_MOVERS];
         let weight = simd.mul8(simd.widen8(&row.weight), unit);
         let spread = simd.mul8(simd.widen8(&row.spread), unit);
         let most = simd.add8(weight, spread);

@@ -1,6 +1,6 @@
 //! Boxes that follow the pose, against fuzzy positions in `f64` with bounds of their own.
 
-use super::fuzzy_ray::{FuzzyRay, posed_planes};
+use super::fuzzy_ray::FuzzyBoxes;
 #[cfg(target_arch = "x86_64")]
 use crate::simd::Avx2;
 use crate::{
@@ -215,20 +215,12 @@ impl Posed {
 
     /// Per axis, of the eight places.
     fn planes<S: Lanes>(&self, simd: S) -> [[[f32; 8]; 2]; 3] {
-        let nowhere = LatticeRay {
-            rate: [0.0; 3],
-            near: [0.0; 3],
-            far: [0.0; 3],
-            forward: [true; 3],
-        };
-        let ray = FuzzyRay {
-            fuzzy: nowhere,
-            posed: nowhere,
+        let boxes = FuzzyBoxes {
+            keys: None,
             motions: &self.maps,
             movers: &self.movers,
-            keys: None,
         };
-        posed_planes(simd, &self.node, &ray).map(|sides| {
+        boxes.planes(simd, &self.node, 0).map(|sides| {
             sides.map(|lanes| {
                 let mut out = [0.0; 8];
                 simd.store8(lanes, &mut out);

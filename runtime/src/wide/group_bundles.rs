@@ -1,18 +1,22 @@
 use super::{
     WideNode,
-    bundle::WideBundle,
+    bundle::{WideBundle, origin_slack},
     ray_group::{GROUP, RayGroup},
 };
-use crate::simd::Lanes;
+use crate::{
+    cluster_frame::{EXTENT_LIMIT, SlabLanes},
+    set_bits::set_bits,
+    simd::Lanes,
+};
 
 /// Bundles of up to eight groups, lane by lane, which one box is tested against.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GroupBundles {
     /// Least and greatest origins.
-    origin: [[[f32; GROUP]; 3]; 2],
+    pub(super) origin: [[[f32; GROUP]; 3]; 2],
     /// Least and greatest inverses of directions.
-    inverse_direction: [[[f32; GROUP]; 3]; 2],
-    start: [f32; GROUP],
+    pub(super) inverse_direction: [[[f32; GROUP]; 3]; 2],
+    pub(super) start: [f32; GROUP],
 }
 
 impl GroupBundles {
@@ -25,44 +29,84 @@ impl GroupBundles {
     /// The extremes of each group's rays.
     #[inline(always)]
     pub(super) fn set<S: Lanes>(&mut self, simd: S, groups: &[RayGroup; GROUP]) {
-        for row in 0..7 {
-            let mut lanes = [simd.splat8(0.0); GROUP];
+        let mut starts = [simd.splat8(0.0); GROUP];
+        for group in 0..GROUP {
+            starts[group] = simd.load8(&groups[group].range[0]);
+        }
+        simd.store8(extremes(simd, starts)[0], &mut self.start);
+        self.start = self.start.map(f32::next_down);
+        let [a, b, c, d, e, f, g, h] = groups;
+        let slabs = [
+            &a.slabs, &b.slabs, &c.slabs, &d.slabs, &e.slabs, &f.slabs, &g.slabs, &h.slabs,
+        ];
+        self.set_slabs(simd, slabs);
+    }
+
+    /// As [`Self::set`], in another space.
+    #[inline(always)]
+    pub(super) fn set_slabs<S: Lanes>(&mut self, simd: S, groups: [&SlabLanes; GROUP]) {
+        for k in 0..3 {
+            let (mut origins, mut inverses) = ([simd.splat8(0.0); GROUP], [simd.splat8(0.0); GROUP]);
             for group in 0..GROUP {
-                let RayGroup {
-                    rows,
-                    inverse_direction,
-                    ..
-                } = &groups[group];
-                lanes[group] = simd.load8(match row {
-                    3..6 => &inverse_direction[row - 3],
-                    _ => &rows[row],
-                });
+                origins[group] = simd.load8(&groups[group].origin[k]);
+                inverses[group] = simd.load8(&groups[group].inverse_direction[k]);
             }
-            let [a, b, c, d, e, f, g, h] = simd.transpose8(lanes);
-            let least = simd.min8(
-                simd.min8(simd.min8(a, b), simd.min8(c, d)),
-                simd.min8(simd.min8(e, f), simd.min8(g, h)),
-            );
-            let greatest = simd.max8(
-                simd.max8(simd.max8(a, b), simd.max8(c, d)),
-                simd.max8(simd.max8(e, f), simd.max8(g, h)),
-            );
-            match row {
-                0..3 => {
-                    simd.store8(least, &mut self.origin[0][row]);
-                    simd.store8(greatest, &mut self.origin[1][row]);
-                }
-                3..6 => {
-                    simd.store8(least, &mut self.inverse_direction[0][row - 3]);
-                    simd.store8(greatest, &mut self.inverse_direction[1][row - 3]);
-                }
-                _ => {
-                    simd.store8(least, &mut self.start);
-                    self.start = self.start.map(f32::next_down);
-                }
+            let (origins, inverses) = (extremes(simd, origins), extremes(simd, inverses));
+            for end in 0..2 {
+                simd.store8(origins[end], &mut self.origin[end][k]);
+                simd.store8(inverses[end], &mut self.inverse_direction[end][k]);
             }
         }
     }
+}
+
+impl GroupBundles {
+    /// The bundle of some groups together in a cluster's local space, and by how much planes move there, but for margins. Along an
+    /// axis along which their rays do not all run the same way, boxes restrict none of them from then on. `None` where numbers
+    /// overflow.
+    pub(super) fn join(&mut self, groups: u32) -> Option<(WideBundle, [f32; 3])> {
+        let mut origin = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+        let mut inverse = origin;
+        for group in set_bits(groups.into()) {
+            let group = group % GROUP;
+            for k in 0..3 {
+                origin[0][k] = origin[0][k].min(self.origin[0][k][group]);
+                origin[1][k] = origin[1][k].max(self.origin[1][k][group]);
+                inverse[0][k] = inverse[0][k].min(self.inverse_direction[0][k][group]);
+                inverse[1][k] = inverse[1][k].max(self.inverse_direction[1][k][group]);
+            }
+        }
+        let start = set_bits(groups.into()).fold(f32::INFINITY, |start, group| start.min(self.start[group % GROUP]));
+        for k in 0..3 {
+            if inverse[0][k] <= 0.0 && inverse[1][k] >= 0.0 {
+                for end in 0..2 {
+                    inverse[end][k] = f32::NAN;
+                    self.inverse_direction[end][k] = [f32::NAN; GROUP];
+                }
+            }
+        }
+        let outwards = origin_slack(&origin);
+        let is_far = |x: &f32| x.abs() > EXTENT_LIMIT as f32;
+        if origin.as_flattened().iter().any(is_far) {
+            return None;
+        }
+        Some((WideBundle::from_extremes(&origin, inverse, outwards, start)?, outwards))
+    }
+}
+
+/// The least and the greatest lane of each.
+#[inline(always)]
+fn extremes<S: Lanes>(simd: S, of: [S::F8; GROUP]) -> [S::F8; 2] {
+    let [a, b, c, d, e, f, g, h] = simd.transpose8(of);
+    let least = simd.min8(
+        simd.min8(simd.min8(a, b), simd.min8(c, d)),
+        simd.min8(simd.min8(e, f), simd.min8(g, h)),
+    );
+    let greatest = simd.max8(
+        simd.max8(simd.max8(a, b), simd.max8(c, d)),
+        simd.max8(simd.max8(e, f), simd.max8(g, h)),
+    );
+    [least, greatest]
 }
 
 /// [`GroupBundles`] ready for a tree: a [`WideBundle`] for each group, with the margin of the bundle that they make together,

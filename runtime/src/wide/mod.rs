@@ -18,6 +18,7 @@ mod boxes;
 mod bundle;
 mod collapse;
 mod descent;
+mod fuzzy_nodes;
 mod fuzzy_ray;
 #[cfg(test)]
 mod fuzzy_ray_tests;
@@ -35,12 +36,14 @@ mod stack;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use boxes::WideBoxes;
 pub(crate) use collapse::collapse;
 pub(crate) use descent::Descent;
-pub(crate) use fuzzy_ray::FuzzyRay;
+pub(crate) use fuzzy_nodes::{FuzzyNodes, FuzzyPath};
+pub(crate) use fuzzy_ray::{FuzzyBoxes, FuzzyRay};
 pub(crate) use key_boxes::KeyBoxes;
 pub(crate) use node::{WideNode, append_rows};
-pub(crate) use packet::{Bundled, PACKET, Packet};
+pub(crate) use packet::{Bundled, LocalRays, PACKET, Packet};
 pub(crate) use packet_walk::{Part, walk_together};
 pub(crate) use ray::WideRay;
 pub(crate) use ray_group::{GROUP, GroupHits};

@@ -8,6 +8,7 @@ use super::{
 use crate::simd::Avx2;
 use crate::{
     Aabb, Ray,
+    cluster_frame::{BundleFrame, LocalFrame, SlabLanes},
     set_bits::set_bits,
     simd::{Lanes, Portable, SimdLevel},
 };
@@ -104,6 +105,20 @@ impl Packet {
     }
 }
 
+/// Rays of a packet in a cluster's local space. Keep it.
+#[derive(Clone, Debug)]
+pub(crate) struct LocalRays {
+    rays: [SlabLanes; GROUPS],
+    bundles: GroupBundles,
+}
+
+impl LocalRays {
+    pub(crate) const NONE: Self = Self {
+        rays: [SlabLanes::NONE; GROUPS],
+        bundles: GroupBundles::NONE,
+    };
+}
+
 /// Nodes that a bundle is expected to meet, for each of its rays, at which the rays are faster alone. Bundles part by
 /// themselves, which costs those that have to: rays of one octant from anywhere took 1.7 us each through 147k triangles, 0.5
 /// alone. 2, 8 and 32 differ by less than the noise, on pictures of 32 x 32 to 1,024 x 1,024 rays.
@@ -121,11 +136,15 @@ pub(crate) struct Bundled<'a> {
 
 /// A bundle ready for a tree.
 #[derive(Debug)]
-pub(crate) struct Together {
+pub(crate) struct Together<'a> {
     pub(super) all: WideBundle,
     pub(super) groups: WideGroups,
+    /// Those that go, as bits.
+    pub(super) going: u32,
     /// By how much planes move, per axis.
     pub(super) outwards: [f32; 3],
+    /// The rays in the tree's own space, where it is not in world space.
+    pub(super) rays: Option<&'a [SlabLanes; GROUPS]>,
 }
 
 impl<'a> Bundled<'a> {
@@ -151,15 +170,13 @@ impl<'a> Bundled<'a> {
 
     /// Ready for a tree; `None` where the rays are to go one by one: they are too far apart, or distances overflow.
     #[inline]
-    pub(crate) fn in_world(&self, tree: &[WideNode]) -> Option<Together> {
+    pub(crate) fn in_world(&self, tree: &[WideNode]) -> Option<Together<'static>> {
         // A place in it is one number (`packet_walk`).
         if tree.len() > 1 << 29 {
             return None;
         }
         let bounds = &tree.first()?.around();
-        let met = self.bundle.breadth(bounds, self.limit) * tree.len() as f32;
-        let rays = self.groups.count_ones() * GROUP as u32;
-        if met > NODES_PER_RAY * rays as f32 {
+        if !self.is_narrow(self.groups, bounds, tree.len()) {
             return None;
         }
         let all = WideBundle::new(&self.bundle, bounds)?;
@@ -167,8 +184,90 @@ impl<'a> Bundled<'a> {
         Some(Together {
             groups: WideGroups::new(&self.packet.bundles, outwards, all.near_row),
             all,
+            going: self.groups,
             outwards,
+            rays: None,
         })
+    }
+
+    /// Whether these groups are expected to meet so few nodes of a tree that going together pays.
+    #[inline]
+    pub(crate) fn is_narrow(&self, groups: u32, bounds: &Aabb, nodes: usize) -> bool {
+        let met = self.bundle.breadth(bounds, self.limit) * nodes as f32;
+        let rays = groups.count_ones() * GROUP as u32;
+        // A NaN meets all.
+        met <= NODES_PER_RAY * rays as f32
+    }
+
+    /// Some groups, ready for a cluster's tree in its local space, which `rays` then hold them in; and what its boxes need.
+    /// `None` where the rays are to go one by one: where numbers could under- or overflow.
+    pub(crate) fn in_cluster<'r>(
+        &self,
+        level: SimdLevel,
+        groups: u32,
+        (local, bounds_world): (&LocalFrame, &Aabb),
+        rays: &'r mut LocalRays,
+    ) -> Option<(Together<'r>, BundleFrame)> {
+        let frame = local.bundle(self.bundle.longest, self.bundle.distance(bounds_world))?;
+        let LocalRays { rays, bundles } = rays;
+        self.to_local(level, groups, (local, &frame), rays, bundles);
+        let (all, outwards) = bundles.join(groups)?;
+        let together = Together {
+            groups: WideGroups::new(bundles, outwards, all.near_row),
+            all,
+            going: groups,
+            outwards,
+            rays: Some(rays),
+        };
+        Some((together, frame))
+    }
+
+    fn to_local(
+        &self,
+        level: SimdLevel,
+        groups: u32,
+        frame: (&LocalFrame, &BundleFrame),
+        rays: &mut [SlabLanes; GROUPS],
+        bundles: &mut GroupBundles,
+    ) {
+        #[inline(always)]
+        fn body<S: Lanes>(
+            simd: S,
+            packet: &Packet,
+            groups: u32,
+            (local, bundle): (&LocalFrame, &BundleFrame),
+            rays: &mut [SlabLanes; GROUPS],
+            bundles: &mut GroupBundles,
+        ) {
+            let mut left = groups;
+            while left != 0 {
+                let group = left.trailing_zeros() as usize % GROUPS;
+                left &= left - 1;
+                let RayGroup { slabs, direction, .. } = &packet.groups[group];
+                local.enter_lanes(simd, &slabs.origin, direction, bundle, &mut rays[group]);
+            }
+            let [a, b, c, d, e, f, g, h] = &*rays;
+            bundles.set_slabs(simd, [a, b, c, d, e, f, g, h]);
+            bundles.start = packet.bundles.start;
+        }
+        #[cfg(target_arch = "x86_64")]
+        if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {
+            #[target_feature(enable = "avx2,popcnt")]
+            fn compiled(
+                simd: Avx2,
+                packet: &Packet,
+                groups: u32,
+                frame: (&LocalFrame, &BundleFrame),
+                rays: &mut [SlabLanes; GROUPS],
+                bundles: &mut GroupBundles,
+            ) {
+                body(simd, packet, groups, frame, rays, bundles);
+            }
+            #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
+            // SAFETY: an `Avx2` exists only on machines that have both features.
+            return unsafe { compiled(simd, self.packet, groups, frame, rays, bundles) };
+        }
+        body(Portable, self.packet, groups, frame, rays, bundles);
     }
 
     /// A bit for each ray of these groups that hits the triangle where it matters, and what
@@ -222,23 +321,35 @@ impl<'a> Bundled<'a> {
         if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {
             #[target_feature(enable = "avx2,popcnt")]
             fn compiled(simd: Avx2, bundled: &Bundled, groups: u32, bounds: &Aabb, outwards: [f32; 3]) -> u64 {
-                bundled.meeting_with(simd, groups, bounds, outwards)
+                bundled.meeting_with(simd, groups, None, bounds, outwards)
             }
             #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
             // SAFETY: an `Avx2` exists only on machines that have both features.
             return unsafe { compiled(simd, self, groups, bounds, outwards) };
         }
-        self.meeting_with(Portable, groups, bounds, outwards)
+        self.meeting_with(Portable, groups, None, bounds, outwards)
     }
 
-    /// [`Self::meeting`], where `outwards` is by how much planes move, per axis.
+    /// [`Self::meeting`] in the space that `rays` are in, world space without any, where `outwards` is by how much planes move, per
+    /// axis.
     #[inline(always)]
-    pub(super) fn meeting_with<S: Lanes>(&self, simd: S, mut groups: u32, bounds: &Aabb, outwards: [f32; 3]) -> u64 {
+    pub(super) fn meeting_with<S: Lanes>(
+        &self,
+        simd: S,
+        mut groups: u32,
+        rays: Option<&[SlabLanes; GROUPS]>,
+        bounds: &Aabb,
+        outwards: [f32; 3],
+    ) -> u64 {
         let mut places = 0;
         while groups != 0 {
             let group = groups.trailing_zeros() as usize % GROUPS;
             groups &= groups - 1;
-            places |= u64::from(self.packet.groups[group].meeting(simd, bounds, outwards)) << (group * GROUP);
+            let slabs = match rays {
+                Some(rays) => Some(&rays[group]),
+                None => None,
+            };
+            places |= u64::from(self.packet.groups[group].meeting(simd, slabs, bounds, outwards)) << (group * GROUP);
         }
         places
     }

@@ -31,13 +31,41 @@ pub(crate) enum Part {
     Alone { node: u32, places: u64 },
 }
 
+/// A tree as a bundle goes down it.
+pub(crate) trait BundleTree {
+    /// Makes a node ready: a child of the one that is ready at `above`, or the root. The place where it is ready from then on, as
+    /// long as nodes below it are entered only.
+    fn enter<S: Lanes>(&mut self, simd: S, child: u32, above: Option<u32>) -> u32;
+    fn node(&self, at: u32) -> &WideNode;
+    /// Asks for what [`Self::enter`] reads.
+    fn prefetch(&self, child: u32);
+}
+
+/// A tree in world space, whose nodes are ready where they are.
+impl BundleTree for &[WideNode] {
+    #[inline(always)]
+    fn enter<S: Lanes>(&mut self, _simd: S, child: u32, _above: Option<u32>) -> u32 {
+        child
+    }
+
+    #[inline(always)]
+    fn node(&self, at: u32) -> &WideNode {
+        &self[at as usize]
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, child: u32) {
+        prefetch(std::slice::from_ref(&self[child as usize]));
+    }
+}
+
 /// As [`Descent`](super::Descent), for the rays of a bundle: each child is looked at by those groups of rays whose own bundle meets
 /// its box, and goes to `visit` where it is a leaf or few rays are left. What `visit` cuts counts from then on.
 ///
 /// Every leaf that a ray may touch is visited with the ray's group, or lies below a node at which the ray goes on alone.
 pub(crate) fn walk_together(
     level: SimdLevel,
-    nodes: &[WideNode],
+    tree: &mut impl BundleTree,
     together: &Together,
     bundled: &mut Bundled,
     stack: &mut WideStack,
@@ -48,36 +76,37 @@ pub(crate) fn walk_together(
         #[target_feature(enable = "avx2,popcnt")]
         fn compiled(
             simd: Avx2,
-            nodes: &[WideNode],
+            tree: &mut impl BundleTree,
             together: &Together,
             bundled: &mut Bundled,
             stack: &mut WideStack,
             visit: &mut impl FnMut(Part, &mut Bundled) -> bool,
         ) -> bool {
-            walk_with(simd, nodes, together, bundled, stack, visit)
+            walk_with(simd, tree, together, bundled, stack, visit)
         }
         #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
         // SAFETY: an `Avx2` exists only on machines that have both features.
-        return unsafe { compiled(simd, nodes, together, bundled, stack, visit) };
+        return unsafe { compiled(simd, tree, together, bundled, stack, visit) };
     }
-    walk_with(Portable, nodes, together, bundled, stack, visit)
+    walk_with(Portable, tree, together, bundled, stack, visit)
 }
 
 #[inline(always)]
 fn walk_with<S: Lanes>(
     simd: S,
-    nodes: &[WideNode],
+    tree: &mut impl BundleTree,
     together: &Together,
     bundled: &mut Bundled,
     stack: &mut WideStack,
     visit: &mut impl FnMut(Part, &mut Bundled) -> bool,
 ) -> bool {
-    let (mut node, mut count) = (0, 0);
+    let mut node = tree.enter(simd, 0, None);
+    let mut count = 0;
     let mut looked = 0;
     let mut bundle = together.all;
     let mut limit = bundled.limit;
     loop {
-        let parent = &nodes[node as usize];
+        let parent = tree.node(node);
         let [enter, exit] = parent.meet(simd, node, &bundle, bundle.start, limit);
         // Not the children: where their boxes are, too, must be known.
         let places = std::array::from_fn(|place| node << 3 | place as u32);
@@ -89,7 +118,7 @@ fn walk_with<S: Lanes>(
             let (_, place) = stack.at(pending);
             let child = parent.children[place as usize % 8];
             if child & WideChild::LEAF_BIT == 0 {
-                prefetch(std::slice::from_ref(&nodes[child as usize]));
+                tree.prefetch(child);
             }
         }
         loop {
@@ -98,14 +127,15 @@ fn walk_with<S: Lanes>(
             }
             count -= 1;
             let (enter, place) = stack.at(count);
-            let (parent, place) = (&nodes[(place >> 3) as usize], place as usize % 8);
+            let (at, place) = (place >> 3, place as usize % 8);
+            let parent = tree.node(at);
             let child = parent.children[place];
             if enter > bundled.limit || child == WideChild::EMPTY {
                 continue;
             }
             looked += 1;
             let limits = &bundled.packet.limits;
-            let mut groups = together.groups.meeting(simd, parent, place, limits) & bundled.groups;
+            let mut groups = together.groups.meeting(simd, parent, place, limits) & together.going;
             if groups == 0 {
                 continue;
             }
@@ -117,7 +147,8 @@ fn walk_with<S: Lanes>(
                 continue;
             }
             if looked > PATIENCE || groups.is_power_of_two() {
-                let places = bundled.meeting_with(simd, groups, &box_of(parent, place), together.outwards);
+                let places =
+                    bundled.meeting_with(simd, groups, together.rays, &box_of(parent, place), together.outwards);
                 if places.count_ones() <= FEW {
                     if places != 0 && visit(Part::Alone { node: child, places }, bundled) {
                         return true;
@@ -126,7 +157,7 @@ fn walk_with<S: Lanes>(
                 }
                 groups = groups_of(places);
             }
-            node = child;
+            node = tree.enter(simd, child, Some(at));
             (bundle, limit) = if groups.is_power_of_two() {
                 let group = groups.trailing_zeros() as usize % GROUP;
                 (together.groups.one(group), bundled.packet.limits[group])

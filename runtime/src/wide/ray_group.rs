@@ -1,5 +1,5 @@
 use super::bundle::lengthened;
-use crate::{Aabb, Ray, simd::Lanes, triangle::PreparedRay};
+use crate::{Aabb, Ray, cluster_frame::SlabLanes, simd::Lanes, triangle::PreparedRay};
 use restpose_formats::geom::round::UNIT_ROUNDOFF;
 
 /// Rays that are tested at once.
@@ -11,10 +11,11 @@ const ALL: u32 = (1 << GROUP) - 1;
 /// Eight rays, lane by lane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RayGroup {
-    /// Origin, direction, `t_min`, and the `t` beyond which no hit matters.
-    pub rows: [[f32; GROUP]; 8],
-    /// Of directions as bundles take them ([`lengthened`]).
-    pub inverse_direction: [[f32; GROUP]; 3],
+    /// In world space, with directions as bundles take them ([`lengthened`]).
+    pub slabs: SlabLanes,
+    pub direction: [[f32; GROUP]; 3],
+    /// `t_min`, and the `t` beyond which no hit matters.
+    pub range: [[f32; GROUP]; 2],
     /// Bits of the lanes that hold a ray. The others repeat the last one, and end before they begin.
     pub used: u32,
     shear: [[f32; GROUP]; 2],
@@ -47,8 +48,9 @@ impl GroupHits {
 
 impl RayGroup {
     pub(super) const NONE: Self = Self {
-        rows: [[0.0; GROUP]; 8],
-        inverse_direction: [[0.0; GROUP]; 3],
+        slabs: SlabLanes::NONE,
+        direction: [[0.0; GROUP]; 3],
+        range: [[0.0; GROUP]; 2],
         used: 0,
         shear: [[0.0; GROUP]; 2],
         axes: Axes::Mixed,
@@ -64,20 +66,19 @@ impl RayGroup {
         }
         let rows = simd.transpose8(rows);
         let mut sum = simd.splat8(0.0);
-        for row in 0..8 {
-            simd.store8(rows[row], &mut self.rows[row]);
-            if row < 6 {
-                sum = simd.add8(sum, simd.abs8(rows[row]));
+        for k in 0..3 {
+            simd.store8(rows[k], &mut self.slabs.origin[k]);
+            simd.store8(rows[3 + k], &mut self.direction[k]);
+            sum = simd.add8(sum, simd.add8(simd.abs8(rows[k]), simd.abs8(rows[3 + k])));
+            for lane in 0..GROUP {
+                self.slabs.inverse_direction[k][lane] = 1.0 / lengthened(self.direction[k][lane]);
             }
         }
         self.used = ALL >> (GROUP - 1 - last);
-        self.rows[7][last + 1..].fill(f32::NEG_INFINITY);
+        simd.store8(rows[6], &mut self.range[0]);
+        simd.store8(rows[7], &mut self.range[1]);
+        self.range[1][last + 1..].fill(f32::NEG_INFINITY);
         self.prepare(simd, [rows[3], rows[4], rows[5]]);
-        for (inverse, components) in self.inverse_direction.iter_mut().zip(&self.rows[3..6]) {
-            for (inverse, component) in inverse.iter_mut().zip(components) {
-                *inverse = 1.0 / lengthened(*component);
-            }
-        }
         // Finite only where all six are.
         let finite = simd.lt8(sum, simd.splat8(f32::INFINITY));
         let some = simd.lt8(
@@ -116,13 +117,13 @@ impl RayGroup {
     /// Per ray, the `t` beyond which no hit matters.
     #[inline]
     pub(super) fn limits(&self) -> &[f32; GROUP] {
-        &self.rows[7]
+        &self.range[1]
     }
 
     /// As [`Bundled::cut`](super::Bundled::cut).
     #[inline]
     pub(super) fn cut(&mut self, lane: usize, t: f32) {
-        self.rows[7][lane] = t;
+        self.range[1][lane] = t;
     }
 
     /// A bit for each ray that hits the triangle in its range, and its hit: bit for bit what [`PreparedRay::intersect`]
@@ -133,8 +134,8 @@ impl RayGroup {
             return self.hits_one_by_one(corners, hits);
         };
         let [x, y, z] = [axes[0] % 3, axes[1] % 3, axes[2] % 3];
-        let (origin_x, origin_y) = (simd.load8(&self.rows[x]), simd.load8(&self.rows[y]));
-        let origin_z = simd.load8(&self.rows[z]);
+        let (origin_x, origin_y) = (simd.load8(&self.slabs.origin[x]), simd.load8(&self.slabs.origin[y]));
+        let origin_z = simd.load8(&self.slabs.origin[z]);
         let (shear_x, shear_y) = (simd.load8(&self.shear[0]), simd.load8(&self.shear[1]));
         let mut sheared = [[origin_x; 3]; 3];
         for (sheared, corner) in sheared.iter_mut().zip(corners) {
@@ -159,7 +160,7 @@ impl RayGroup {
         if undecided == 0 {
             return 0;
         }
-        let [low_z, high_z] = simd.halves(simd.load8(&self.rows[3 + z]));
+        let [low_z, high_z] = simd.halves(simd.load8(&self.direction[z]));
         let none = (0, [simd.splat4(0.0); 3]);
         // Most often neighbours agree, and one half has nothing to decide.
         let (low, low_hits) = if undecided & 0xf == 0 {
@@ -179,7 +180,7 @@ impl RayGroup {
         simd.store8(t, &mut hits.t);
         simd.store8(simd.join(low_hits[1], high_hits[1]), &mut hits.u);
         simd.store8(simd.join(low_hits[2], high_hits[2]), &mut hits.v);
-        let (start, end) = (simd.load8(&self.rows[6]), simd.load8(&self.rows[7]));
+        let (start, end) = (simd.load8(&self.range[0]), simd.load8(&self.range[1]));
         let finite = simd.lt8(simd.abs8(t), simd.splat8(f32::INFINITY));
         weighted & undecided & finite & simd.le8(start, t) & simd.le8(t, end)
     }
@@ -188,8 +189,10 @@ impl RayGroup {
     fn hits_one_by_one(&self, corners: &[[f32; 3]; 3], hits: &mut GroupHits) -> u32 {
         let mut bits = 0;
         for lane in (0..GROUP).filter(|lane| self.used >> lane & 1 == 1) {
-            let row: [f32; 8] = std::array::from_fn(|row| self.rows[row][lane]);
-            if let Some(hit) = PreparedRay::new(bytemuck::cast_ref(&row)).and_then(|ray| ray.intersect(corners)) {
+            let lane_of = |rows: &[[f32; GROUP]; 3]| rows.map(|row| row[lane]);
+            let mut ray = Ray::new(lane_of(&self.slabs.origin), lane_of(&self.direction));
+            (ray.t_min, ray.t_max) = (self.range[0][lane], self.range[1][lane]);
+            if let Some(hit) = PreparedRay::new(&ray).and_then(|ray| ray.intersect(corners)) {
                 (hits.t[lane], hits.u[lane], hits.v[lane]) = (hit.t, hit.u, hit.v);
                 bits |= 1 << lane;
             }
@@ -197,26 +200,29 @@ impl RayGroup {
         bits
     }
 
-    /// As [`Bundled::meeting`](super::Bundled::meeting), for rays of a bundle: `outwards` is by how much planes move, per
-    /// axis, and reaches the margin of each of the rays.
+    /// As [`Bundled::meeting`](super::Bundled::meeting), for rays of a bundle in the space that `slabs` are in, the group's own
+    /// without any: `outwards` is by how much planes move, per axis, and reaches the margin of each of the rays.
+    ///
+    /// The box is not empty.
     #[inline(always)]
-    pub(super) fn meeting<S: Lanes>(&self, simd: S, bounds: &Aabb, outwards: [f32; 3]) -> u32 {
-        let [mut enter, mut exit] = widened(simd, simd.load8(&self.rows[6]), simd.load8(&self.rows[7]));
+    pub(super) fn meeting<S: Lanes>(
+        &self,
+        simd: S,
+        slabs: Option<&SlabLanes>,
+        bounds: &Aabb,
+        outwards: [f32; 3],
+    ) -> u32 {
+        let slabs = slabs.unwrap_or(&self.slabs);
+        let [mut enter, mut exit] = widened(simd, simd.load8(&self.range[0]), simd.load8(&self.range[1]));
         for k in 0..3 {
-            let origin = simd.load8(&self.rows[k]);
-            let inverse = simd.load8(&self.inverse_direction[k]);
+            let origin = simd.load8(&slabs.origin[k]);
+            let inverse = simd.load8(&slabs.inverse_direction[k]);
             let outwards = simd.splat8(outwards[k]);
             let low = simd.sub8(simd.splat8(bounds.min[k]), simd.add8(origin, outwards));
             let high = simd.sub8(simd.splat8(bounds.max[k]), simd.sub8(origin, outwards));
             let (low, high) = (simd.mul8(low, inverse), simd.mul8(high, inverse));
-            // All rays of a bundle run the same way.
-            let (near, far) = if self.inverse_direction[k][0] > 0.0 {
-                (low, high)
-            } else {
-                (high, low)
-            };
-            enter = simd.max8(near, enter);
-            exit = simd.min8(far, exit);
+            enter = simd.max8(simd.min8(low, high), enter);
+            exit = simd.min8(simd.max8(low, high), exit);
         }
         simd.le8(enter, exit) & self.used
     }

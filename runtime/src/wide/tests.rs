@@ -279,11 +279,13 @@ fn certainly_meets_nearly(origin: [f32; 3], direction: [f32; 3], bounds: &Aabb, 
 /// A ray for nodes without movers.
 fn fuzzy_ray(ray: LatticeRay) -> FuzzyRay<'static> {
     FuzzyRay {
+        boxes: FuzzyBoxes {
+            keys: None,
+            motions: &MoverMaps::NONE,
+            movers: &[],
+        },
         fuzzy: ray,
         posed: ray,
-        motions: &MoverMaps::NONE,
-        movers: &[],
-        keys: None,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Ways into instances, clusters and their trees.
 
-use super::{Actor, Flight, NEAR_TRIANGLES, Next, Tree};
+use super::{Actor, Flight, Inside, NEAR_TRIANGLES, Next, Tree};
 use crate::{
     Asset,
     cluster_frame::{LatticeRay, LocalFrame, SlabRay, Way},
@@ -11,7 +11,7 @@ use crate::{
     trace::{binary_trees::pass_cluster, context::ClusterContext},
     wide::{FuzzyRay, WideNode, WideRay, WideStack},
 };
-use restpose_formats::{TreeKind, rows::NONE};
+use restpose_formats::TreeKind;
 
 impl<'a> Flight<'a> {
     /// The ray, ready for a tree in world space.
@@ -42,7 +42,7 @@ impl<'a> Flight<'a> {
         self.tree = tree;
         self.world[tree.depth()].0 = nodes;
         self.floors[tree.depth()] = self.count;
-        self.next = Next::EnterRoot;
+        self.next = Next::EnterRoot(0);
     }
 
     /// Enters an instance that is no geometry of the caller's.
@@ -56,6 +56,20 @@ impl<'a> Flight<'a> {
             _ => {
                 self.tests_before = self.traveller.tests;
                 self.enter_later(Tree::Clusters, actor.prepared.top_level.nodes());
+            }
+        }
+    }
+
+    /// [`Self::enter_actor`], but for what is not inside of it. Where all of it has been posed meanwhile, that is all.
+    #[inline(always)]
+    pub(in crate::trace) fn enter_inside(&mut self, actor: Actor<'a>, whole: Option<&'a Whole>, inside: Inside) {
+        self.enter_actor(actor, whole);
+        match inside {
+            _ if self.tree == Tree::Whole => {}
+            Inside::All => {}
+            Inside::Node(node) => self.next = Next::EnterRoot(node),
+            Inside::Cluster(slot) => {
+                self.next = Next::EnterCluster(slot);
             }
         }
     }
@@ -120,14 +134,9 @@ impl<'a> Flight<'a> {
             ..slab
         };
         let ray = FuzzyRay {
+            boxes: self.actor().prepared.fuzzy_boxes(model, state, posed),
             fuzzy: LatticeRay::new(&slab, &row.bounds_local, asset.box_steps(state.row)),
             posed: LatticeRay::within(&follows, rest.origin, [rest.step; 3], MOST_STEPS),
-            motions: &posed.movers,
-            movers: model.node_movers,
-            keys: match state.cache {
-                NONE => None,
-                cache => self.actor().prepared.caches()[cache as usize].key_boxes(model, row),
-            },
         };
         self.fuzzy = Some((asset.wide_nodes(state.row), ray));
         self.tree = Tree::Fuzzy;

@@ -57,13 +57,23 @@ pub(super) enum Next {
     FindInstance(u32),
     /// A step of the caller's.
     EnterInstance(u32),
-    /// The root of the instance's tree.
-    EnterRoot,
+    /// At a node of the instance's tree, its root most often.
+    EnterRoot(u32),
     /// By its place in the instance.
     EnterCluster(u32),
     FindCorners(u32),
     FindStored(u32),
     TestTriangle(u32),
+}
+
+/// Where in an instance a ray goes.
+#[derive(Clone, Copy)]
+pub(super) enum Inside {
+    All,
+    /// Below a node of the tree over its clusters.
+    Node(u32),
+    /// By its place in the instance.
+    Cluster(u32),
 }
 
 /// What a tree is over, and so what its leaves are.
@@ -131,10 +141,10 @@ impl<'a> Flight<'a> {
         let mut child = None;
         match self.next {
             Next::MeetNode(node) => child = Some(node),
-            Next::EnterRoot => {
+            Next::EnterRoot(node) => {
                 let depth = self.tree.depth();
                 self.world[depth].1 = self.ray_in_world(self.world[depth].0);
-                child = Some(0);
+                child = Some(node);
             }
             Next::EnterCluster(slot) => {
                 if self.enter_cluster::<ANY, C>(slot, context, counters) {

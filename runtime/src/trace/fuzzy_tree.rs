@@ -1,0 +1,121 @@
+use super::{flight::Actor, lone_rays::LoneTree, traveller::Traveller};
+#[cfg(target_arch = "x86_64")]
+use crate::simd::Avx2;
+use crate::{
+    Aabb, InstanceId,
+    cluster_frame::{BundleFrame, LatticeRay, LocalFrame, SlabRay},
+    mover_maps::MOST_STEPS,
+    prepared::{ClusterState, PosedCluster},
+    simd::{Lanes, Portable, SimdLevel},
+    wide::{FuzzyBoxes, FuzzyNodes, FuzzyPath, FuzzyRay, PACKET},
+};
+use restpose_formats::rows::{ClusterRow, WideNodeRow};
+
+/// A cluster's tree in its local space.
+pub(super) struct FuzzyTree<'a> {
+    actor: Actor<'a>,
+    cluster: u32,
+    /// The cache row that moves it, or `NONE`.
+    cache: u32,
+    row: &'a ClusterRow,
+    nodes: &'a [WideNodeRow],
+    boxes: FuzzyBoxes<'a>,
+    local: &'a LocalFrame,
+    pub(super) bounds_world: &'a Aabb,
+    /// By their places in the packet, on the lattices of the fuzzy boxes and of the rest positions, where `ready` has a bit.
+    rays: &'a mut [[LatticeRay; 2]; PACKET],
+    ready: u64,
+}
+
+impl<'a> FuzzyTree<'a> {
+    /// `rays` is room for those that part.
+    pub(super) fn new(
+        actor: Actor<'a>,
+        state: &ClusterState,
+        posed: &'a PosedCluster,
+        local: &'a LocalFrame,
+        rays: &'a mut [[LatticeRay; 2]; PACKET],
+    ) -> Self {
+        let model = actor.asset.model();
+        Self {
+            actor,
+            cluster: state.row,
+            cache: state.cache,
+            row: &model.clusters[state.row as usize],
+            nodes: actor.asset.wide_nodes(state.row),
+            boxes: actor.prepared.fuzzy_boxes(model, state, posed),
+            local,
+            bounds_world: &posed.frame.bounds_world,
+            rays,
+            ready: 0,
+        }
+    }
+
+    /// Its nodes, for a bundle.
+    pub(super) fn for_bundle<'p>(&self, frame: &BundleFrame, path: &'p mut FuzzyPath) -> FuzzyNodes<'p>
+    where
+        'a: 'p,
+    {
+        let asset = self.actor.asset;
+        let lattice = (self.row.bounds_local.min, *asset.box_steps(self.cluster));
+        let rest = asset.rest_lattice(self.cluster);
+        FuzzyNodes::new(self.nodes, self.boxes, lattice, rest, frame, path)
+    }
+
+    pub(super) fn pose(&self, level: SimdLevel, triangle: u32) -> [[f32; 3]; 3] {
+        #[cfg(target_arch = "x86_64")]
+        if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {
+            #[target_feature(enable = "avx2,popcnt")]
+            fn compiled(simd: Avx2, tree: &FuzzyTree, triangle: u32) -> [[f32; 3]; 3] {
+                tree.corners(simd, triangle)
+            }
+            #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
+            // SAFETY: an `Avx2` exists only on machines that have both features.
+            return unsafe { compiled(simd, self, triangle) };
+        }
+        self.corners(Portable, triangle)
+    }
+}
+
+impl<'a> LoneTree for FuzzyTree<'a> {
+    type Node = WideNodeRow;
+    type Ray = FuzzyRay<'a>;
+
+    fn id(&self) -> InstanceId {
+        self.actor.id
+    }
+
+    #[inline(always)]
+    fn nodes(&self) -> &[WideNodeRow] {
+        self.nodes
+    }
+
+    fn ray(&mut self, place: usize, traveller: &Traveller) -> FuzzyRay<'a> {
+        let ray = &mut self.rays[place % PACKET];
+        if self.ready >> (place % PACKET) & 1 == 0 {
+            self.ready |= 1 << (place % PACKET);
+            let asset = self.actor.asset;
+            let (slab, margin) = self
+                .local
+                .enter(traveller.origin, traveller.direction, self.bounds_world);
+            let rest = asset.rest_lattice(self.cluster);
+            let follows = SlabRay { margin, ..slab };
+            *ray = [
+                LatticeRay::new(&slab, &self.row.bounds_local, asset.box_steps(self.cluster)),
+                LatticeRay::within(&follows, rest.origin, [rest.step; 3], MOST_STEPS),
+            ];
+        }
+        let [fuzzy, posed] = *ray;
+        FuzzyRay {
+            boxes: self.boxes,
+            fuzzy,
+            posed,
+        }
+    }
+
+    #[inline(always)]
+    fn corners<S: Lanes>(&self, simd: S, triangle: u32) -> [[f32; 3]; 3] {
+        let Actor { asset, prepared, .. } = self.actor;
+        prepared.pose_triangle(simd, asset.model(), self.cache, triangle, &mut ())
+    }
+}
