@@ -120,9 +120,14 @@ impl LocalRays {
 }
 
 /// Nodes that a bundle is expected to meet, for each of its rays, at which the rays are faster alone. Bundles part by
-/// themselves, which costs those that have to: rays of one octant from anywhere took 1.7 us each through 147k triangles, 0.5
-/// alone. 2, 8 and 32 differ by less than the noise, on pictures of 32 x 32 to 1,024 x 1,024 rays.
-const NODES_PER_RAY: f32 = 8.0;
+/// themselves, which costs those that have to. With 8, pictures of 40,000 and 100,000 rays of 147k triangles took 1.5 times as long; 32 to
+/// 512 differ by less than the noise, but with 4,096 and more rays of one octant from anywhere took twice the time or more.
+const NODES_PER_RAY: f32 = 64.0;
+
+/// The part of a tree's cross-section that a bundle covers at which its rays are faster alone: the tree may be small. Without it rays of
+/// one octant from anywhere took ten times as long through 576 triangles; with 0.3 a picture of 4,000 rays of these took three times as
+/// long as with this.
+const MOST_BREADTH: f32 = 0.7;
 
 /// Rays of a packet that go through trees in world space together.
 #[derive(Debug)]
@@ -193,10 +198,10 @@ impl<'a> Bundled<'a> {
     /// Whether these groups are expected to meet so few nodes of a tree that going together pays.
     #[inline]
     pub(crate) fn is_narrow(&self, groups: u32, bounds: &Aabb, nodes: usize) -> bool {
-        let met = self.bundle.breadth(bounds, self.limit) * nodes as f32;
+        let breadth = self.bundle.breadth(bounds, self.limit);
         let rays = groups.count_ones() * GROUP as u32;
         // A NaN meets all.
-        met <= NODES_PER_RAY * rays as f32
+        breadth <= MOST_BREADTH && breadth * nodes as f32 <= NODES_PER_RAY * rays as f32
     }
 
     /// Some groups, ready for a cluster's tree in its local space, which `rays` then hold them in; and what its boxes need.

@@ -14,9 +14,9 @@ use crate::{
 use restpose_formats::rows::WideChild;
 
 /// Children that a bundle looks at before it asks at each node which of its rays go there: bundles as narrow as the triangles
-/// seldom look at more. 24 were up to a tenth slower on all of fox (147k triangles), cesium_man (75k) and HORSE with 1M rays
-/// of a camera, and no better with 64 to 108k; never to ask took 14 instead of 2 ms for 64 rays on the fox.
-const PATIENCE: u32 = 64;
+/// seldom look at more. 8 and 16 were up to a tenth slower with 1M rays of a camera, on a fox of 9k and 147k triangles and on ELEPHANT, and
+/// no better with 10,000 to 100,000; 64 took a fifth longer where rays have to part.
+const PATIENCE: u32 = 32;
 
 /// Rays that are so few at a node that each goes on alone, where it is asked which they are. One and two were slower with few
 /// rays, eight no faster.
