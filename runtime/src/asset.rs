@@ -1,9 +1,18 @@
 #![expect(unsafe_code, reason = "passes the promise of `map` on to its caller")]
 
 use crate::{
-    OpenError, cache::CACHE_ROUNDINGS, cluster_frame::vertex_error as vertex_error_of, envelope_hints::EnvelopeHints,
-    map::StoredModel, pose_space::PoseSpaces, posing::PosingLimits, prepared::TRIANGLES_PER_RAY, rest_boxes::RestBoxes,
-    top_level::TopLevel, vertex::rounding_count,
+    OpenError,
+    cache::CACHE_ROUNDINGS,
+    cluster_frame::{LatticeRay, SlabRay, vertex_error as vertex_error_of},
+    envelope_hints::EnvelopeHints,
+    map::StoredModel,
+    mover_maps::MOST_STEPS,
+    pose_space::PoseSpaces,
+    posing::PosingLimits,
+    prepared::TRIANGLES_PER_RAY,
+    rest_boxes::RestBoxes,
+    top_level::TopLevel,
+    vertex::rounding_count,
 };
 use restpose_formats::{
     FormatError, ModelView, TreeKind, read, read_written,
@@ -281,6 +290,24 @@ impl Asset {
     /// Rays that may enter a cluster through wider boxes before it is refitted, because boxes of its nodes follow the pose.
     pub(crate) fn rays_of_followers(&self, cluster: u32) -> u32 {
         self.rays_of_followers[cluster as usize]
+    }
+
+    /// A ray that has [entered](crate::cluster_frame::LocalFrame::enter) a cluster, on the lattice of its fuzzy boxes, and on that of
+    /// its rest positions.
+    #[inline(always)]
+    pub(crate) fn lattice_rays(&self, cluster: u32, (slab, margin_posed): &(SlabRay, [f32; 3])) -> [LatticeRay; 2] {
+        let (bounds, rest) = (
+            &self.model().clusters[cluster as usize].bounds_local,
+            self.rest_lattice(cluster),
+        );
+        let follows = SlabRay {
+            margin: *margin_posed,
+            ..*slab
+        };
+        [
+            LatticeRay::new(slab, bounds, self.box_steps(cluster)),
+            LatticeRay::within(&follows, rest.origin, [rest.step; 3], MOST_STEPS),
+        ]
     }
 
     /// Steps of the lattice on which the boxes of a cluster's triangles are.

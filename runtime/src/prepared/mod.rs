@@ -25,7 +25,7 @@ use crate::{
     motion_bounds::widened_for_motion,
     posed_bounds::morph_extent,
     posed_maps::posed_maps,
-    posing::{Demand, PosingLimits},
+    posing::{BundleWork, Demand, PosingLimits},
     rest_boxes::{BoneImages, cluster_bounds},
     set_bits::set_bits,
     simd::{Lanes, Portable, SimdLevel, prefetch},
@@ -302,10 +302,9 @@ impl Prepared {
         self.demand.count(tests, &self.limits);
     }
 
-    /// Counts rays that went through the clusters together, at the cost of posing and testing so many triangles in all.
-    #[inline]
-    pub(crate) fn count_bundle(&self, rays: u32, tests: u32) {
-        self.demand.count_bundle(rays, tests, &self.limits);
+    /// Counts rays that went through the clusters together.
+    pub(crate) fn count_bundle(&self, rays: u32, work: &BundleWork) {
+        self.demand.count_bundle(rays, work, &self.limits);
     }
 
     pub(crate) fn demand(&self) -> &Demand {

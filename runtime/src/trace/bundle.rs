@@ -57,7 +57,7 @@ impl Bundle<'_> {
                 Some(_) => false,
                 None => {
                     let actor = Actor { id, asset, prepared };
-                    self.enter_clusters::<ANY>(actor, index, groups, bundled, room, context)
+                    self.enter_clusters::<ANY>((actor, index), groups, bundled, room, context)
                 }
             };
             if is_done {

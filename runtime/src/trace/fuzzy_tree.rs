@@ -3,13 +3,12 @@ use super::{flight::Actor, lone_rays::LoneTree, traveller::Traveller};
 use crate::simd::Avx2;
 use crate::{
     Aabb, InstanceId,
-    cluster_frame::{BundleFrame, LatticeRay, LocalFrame, SlabRay},
-    mover_maps::MOST_STEPS,
+    cluster_frame::{BundleFrame, LatticeRay, LocalFrame},
     prepared::{ClusterState, PosedCluster},
     simd::{Lanes, Portable, SimdLevel},
     wide::{FuzzyBoxes, FuzzyNodes, FuzzyPath, FuzzyRay, PACKET},
 };
-use restpose_formats::rows::{ClusterRow, WideNodeRow};
+use restpose_formats::rows::WideNodeRow;
 
 /// A cluster's tree in its local space.
 pub(super) struct FuzzyTree<'a> {
@@ -17,11 +16,10 @@ pub(super) struct FuzzyTree<'a> {
     cluster: u32,
     /// The cache row that moves it, or `NONE`.
     cache: u32,
-    row: &'a ClusterRow,
     nodes: &'a [WideNodeRow],
     boxes: FuzzyBoxes<'a>,
     local: &'a LocalFrame,
-    pub(super) bounds_world: &'a Aabb,
+    bounds_world: &'a Aabb,
     /// By their places in the packet, on the lattices of the fuzzy boxes and of the rest positions, where `ready` has a bit.
     rays: &'a mut [[LatticeRay; 2]; PACKET],
     ready: u64,
@@ -41,7 +39,6 @@ impl<'a> FuzzyTree<'a> {
             actor,
             cluster: state.row,
             cache: state.cache,
-            row: &model.clusters[state.row as usize],
             nodes: actor.asset.wide_nodes(state.row),
             boxes: actor.prepared.fuzzy_boxes(model, state, posed),
             local,
@@ -57,7 +54,10 @@ impl<'a> FuzzyTree<'a> {
         'a: 'p,
     {
         let asset = self.actor.asset;
-        let lattice = (self.row.bounds_local.min, *asset.box_steps(self.cluster));
+        let lattice = (
+            asset.model().clusters[self.cluster as usize].bounds_local.min,
+            *asset.box_steps(self.cluster),
+        );
         let rest = asset.rest_lattice(self.cluster);
         FuzzyNodes::new(self.nodes, self.boxes, lattice, rest, frame, path)
     }
@@ -94,16 +94,10 @@ impl<'a> LoneTree for FuzzyTree<'a> {
         let ray = &mut self.rays[place % PACKET];
         if self.ready >> (place % PACKET) & 1 == 0 {
             self.ready |= 1 << (place % PACKET);
-            let asset = self.actor.asset;
-            let (slab, margin) = self
+            let entered = self
                 .local
                 .enter(traveller.origin, traveller.direction, self.bounds_world);
-            let rest = asset.rest_lattice(self.cluster);
-            let follows = SlabRay { margin, ..slab };
-            *ray = [
-                LatticeRay::new(&slab, &self.row.bounds_local, asset.box_steps(self.cluster)),
-                LatticeRay::within(&follows, rest.origin, [rest.step; 3], MOST_STEPS),
-            ];
+            *ray = self.actor.asset.lattice_rays(self.cluster, &entered);
         }
         let [fuzzy, posed] = *ray;
         FuzzyRay {

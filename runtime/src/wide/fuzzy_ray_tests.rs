@@ -5,7 +5,7 @@ use super::fuzzy_ray::FuzzyBoxes;
 use crate::simd::Avx2;
 use crate::{
     Aabb, Affine,
-    cluster_frame::{LatticeRay, invert_frame},
+    cluster_frame::invert_frame,
     mover_maps::MoverMaps,
     relative_motions::RelativeMotions,
     simd::{Lanes, Portable},

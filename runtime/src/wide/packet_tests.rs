@@ -184,7 +184,7 @@ fn together(level: SimdLevel, world: &World, rays: &[Ray], any: bool, ways: &mut
             }
             bundled.is_over()
         };
-        walk_together(level, &world.nodes, &together, bundled, &mut stack, &mut visit);
+        walk_together(level, &mut &world.nodes[..], &together, bundled, &mut stack, &mut visit);
     };
     let mut single = Vec::new();
     packet.part(level, rays, &world.nodes[0], &world.bounds, enter, |places| {
@@ -276,7 +276,7 @@ fn bundles_visit_what_each_ray_visits_alone() {
                 };
                 walk_together(
                     level,
-                    &world.nodes,
+                    &mut &world.nodes[..],
                     &together,
                     bundled,
                     &mut WideStack::new(),

@@ -3,8 +3,7 @@
 use super::{Actor, Flight, Inside, NEAR_TRIANGLES, Next, Tree};
 use crate::{
     Asset,
-    cluster_frame::{LatticeRay, LocalFrame, SlabRay, Way},
-    mover_maps::MOST_STEPS,
+    cluster_frame::{LocalFrame, SlabRay, Way},
     prepared::{ClusterState, PosedCluster, Whole},
     simd::{Lanes, Portable, prefetch},
     stats::Count,
@@ -121,22 +120,16 @@ impl<'a> Flight<'a> {
         let model = asset.model();
         let row = &model.clusters[state.row as usize];
         let (origin, direction) = (self.traveller.origin, self.traveller.direction);
-        let (slab, margin_posed) = local.enter(origin, direction, &posed.frame.bounds_world);
-        if slab
-            .clip(&row.bounds_local, (self.start, self.traveller.limit))
-            .is_none()
-        {
+        let entered = local.enter(origin, direction, &posed.frame.bounds_world);
+        let range = (self.start, self.traveller.limit);
+        if entered.0.clip(&row.bounds_local, range).is_none() {
             return;
         }
-        let rest = asset.rest_lattice(state.row);
-        let follows = SlabRay {
-            margin: margin_posed,
-            ..slab
-        };
+        let [fuzzy, on_rest] = asset.lattice_rays(state.row, &entered);
         let ray = FuzzyRay {
             boxes: self.actor().prepared.fuzzy_boxes(model, state, posed),
-            fuzzy: LatticeRay::new(&slab, &row.bounds_local, asset.box_steps(state.row)),
-            posed: LatticeRay::within(&follows, rest.origin, [rest.step; 3], MOST_STEPS),
+            fuzzy,
+            posed: on_rest,
         };
         self.fuzzy = Some((asset.wide_nodes(state.row), ray));
         self.tree = Tree::Fuzzy;
