@@ -103,7 +103,9 @@ fn trace_packet<const ANY: bool, A: Answer>(
         &bounds,
         |bundled| {
             let places = bundled.places();
-            let Some(together) = bundled.in_world(scene.top_level.nodes()) else {
+            let nodes = scene.top_level.nodes();
+            let together = bundled.is_narrow(&bounds, nodes.len()).then(|| bundled.in_world(nodes));
+            let Some(together) = together.flatten() else {
                 left.set(left.get() | places);
                 return;
             };
@@ -118,7 +120,7 @@ fn trace_packet<const ANY: bool, A: Answer>(
             };
             walk_together(
                 scene.simd,
-                &mut scene.top_level.nodes(),
+                &mut &nodes[..],
                 &together,
                 bundled,
                 stack,

@@ -133,6 +133,9 @@ impl Bundle<'_> {
         bundled: &mut Bundled,
         room: &mut InsideRoom,
     ) -> bool {
+        if !bundled.is_narrow(&whole.nodes[0].around(), whole.nodes.len()) {
+            return false;
+        }
         let Some(together) = bundled.in_world(&whole.nodes) else {
             return false;
         };

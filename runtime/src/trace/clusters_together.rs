@@ -27,9 +27,7 @@ impl Bundle<'_> {
     ) -> bool {
         let Actor { asset, prepared, .. } = actor;
         let nodes = prepared.top_level.nodes();
-        if asset.model().meta.tree != TreeKind::Wide
-            || !bundled.is_narrow(groups, &prepared.bounds(), asset.nodes_per_pose())
-        {
+        if asset.model().meta.tree != TreeKind::Wide || !bundled.is_narrow(&prepared.bounds(), asset.nodes_per_pose()) {
             return false;
         }
         let Some(together) = bundled.in_world(nodes) else {

@@ -173,7 +173,7 @@ impl<'a> Bundled<'a> {
         })
     }
 
-    /// Ready for a tree; `None` where the rays are to go one by one: they are too far apart, or distances overflow.
+    /// Ready for a tree; `None` where the rays are to go one by one: where distances overflow.
     #[inline]
     pub(crate) fn in_world(&self, tree: &[WideNode]) -> Option<Together<'static>> {
         // A place in it is one number (`packet_walk`).
@@ -181,9 +181,6 @@ impl<'a> Bundled<'a> {
             return None;
         }
         let bounds = &tree.first()?.around();
-        if !self.is_narrow(self.groups, bounds, tree.len()) {
-            return None;
-        }
         let all = WideBundle::new(&self.bundle, bounds)?;
         let outwards = self.bundle.outwards(bounds);
         Some(Together {
@@ -195,11 +192,11 @@ impl<'a> Bundled<'a> {
         })
     }
 
-    /// Whether these groups are expected to meet so few nodes of a tree that going together pays.
+    /// Whether the rays are expected to meet so little of a tree that going together pays.
     #[inline]
-    pub(crate) fn is_narrow(&self, groups: u32, bounds: &Aabb, nodes: usize) -> bool {
+    pub(crate) fn is_narrow(&self, bounds: &Aabb, nodes: usize) -> bool {
         let breadth = self.bundle.breadth(bounds, self.limit);
-        let rays = groups.count_ones() * GROUP as u32;
+        let rays = self.groups.count_ones() * GROUP as u32;
         // A NaN meets all.
         breadth <= MOST_BREADTH && breadth * nodes as f32 <= NODES_PER_RAY * rays as f32
     }
