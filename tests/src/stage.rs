@@ -122,6 +122,23 @@ impl Stage {
         let aimed = (!marks.triangles.is_empty()).then(|| AimedRays::new(&marks, seed).take(rays));
         let rays: Vec<Ray> = ordinary.chain(aimed.into_iter().flatten()).collect();
         let hits = assert_rays_equal(name, &frame, &oracle, rays.iter().copied());
+        let fans = fans(&rays, seed);
+        let alone: Vec<Option<Hit>> = fans.iter().map(|ray| frame.closest_hit(ray)).collect();
+        for (name, frame) in twin_frames
+            .iter()
+            .map(|(name, frame)| (*name, frame))
+            .chain([(name, &frame)])
+        {
+            let mut together = vec![None; fans.len()];
+            frame.closest_hits(&fans, &mut together);
+            let mut any = vec![false; fans.len()];
+            frame.any_hits(&fans, &mut any);
+            for (place, ray) in fans.iter().enumerate() {
+                let expected = hit_bits(alone[place]);
+                assert_eq!(hit_bits(together[place]), expected, "{name}: {ray:?}, place {place}");
+                assert_eq!(any[place], expected.is_some(), "{name}: {ray:?}, place {place}");
+            }
+        }
         for ray in &rays {
             let expected = hit_bits(frame.closest_hit(ray));
             for (twin, frame) in &twin_frames {
@@ -132,6 +149,25 @@ impl Stage {
         self.twins = twins;
         hits
     }
+}
+
+/// Around some of these rays, the first of each: 64 that run nearly the same way, as a batch takes them together.
+fn fans(rays: &[Ray], seed: u64) -> Vec<Ray> {
+    let mut random = fastrand::Rng::with_seed(seed);
+    let mut out = Vec::new();
+    for ray in rays.iter().step_by(40) {
+        let apart = [1e-7, 1e-4, 1e-2][random.usize(..3)];
+        out.push(*ray);
+        for _ in 1..64 {
+            let longest = ray.direction.iter().fold(0.0f32, |longest, d| longest.max(d.abs()));
+            let mut near = |x: f32| x + longest * apart * (random.f32() - 0.5);
+            out.push(Ray {
+                direction: ray.direction.map(&mut near),
+                ..*ray
+            });
+        }
+    }
+    out
 }
 
 /// A hit as bits, so that zeros of both signs differ.

@@ -15,6 +15,10 @@ use crate::{
 };
 use restpose_formats::TreeKind;
 
+/// Rays that are so few at a cluster that each goes on alone. A picture of a thousand foxes, a hundred rays to each, took 15 % longer
+/// without it; with 24, one of 576 triangles in 10,000 rays took 40 % longer.
+const FEW: u32 = 12;
+
 impl Bundle<'_> {
     /// Traces these groups through the clusters of the instance at an index. False where the rays must go one by one.
     pub(super) fn enter_clusters<const ANY: bool>(
@@ -88,8 +92,10 @@ impl Bundle<'_> {
         } = room;
         let bounds = &posed.frame.bounds_world;
         let mut tree = FuzzyTree::new(actor, state, posed, local, rays);
-        let Some((together, frame)) = bundled.in_cluster(level, groups, (local, bounds), local_rays) else {
-            let places = bundled.meeting(level, groups, bounds);
+        let places = bundled.meeting(level, groups, bounds);
+        let pays = places.count_ones() > FEW;
+        let together = pays.then(|| bundled.in_cluster(level, groups, (local, bounds), local_rays));
+        let Some((together, frame)) = together.flatten() else {
             work.lone += places.count_ones();
             self.alone_below::<ANY>(&mut tree, 0, places, bundled, lone_stack);
             return true;
