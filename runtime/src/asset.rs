@@ -3,7 +3,7 @@
 use crate::{
     OpenError,
     cache::CACHE_ROUNDINGS,
-    cluster_frame::{LatticeRay, SlabRay, vertex_error as vertex_error_of},
+    cluster_frame::{BundleFrame, LatticeRay, SlabRay, vertex_error as vertex_error_of},
     envelope_hints::EnvelopeHints,
     map::StoredModel,
     mover_maps::MOST_STEPS,
@@ -13,6 +13,7 @@ use crate::{
     rest_boxes::RestBoxes,
     top_level::TopLevel,
     vertex::rounding_count,
+    wide::LocalLattice,
 };
 use restpose_formats::{
     FormatError, ModelView, TreeKind, read, read_written,
@@ -39,7 +40,7 @@ pub struct Asset {
     /// Over the clusters of an asset without vertex caches, in the rest pose.
     top_level: TopLevel,
     posing_limits: PosingLimits,
-    /// Nodes of the wide trees that a pose goes by, about.
+    /// Nodes of trees that a pose goes by, about, as wide ones.
     nodes_per_pose: usize,
 }
 
@@ -162,14 +163,14 @@ impl Asset {
         let rest_boxes = RestBoxes::new(view);
         let envelope_hints = EnvelopeHints::new(view);
         let posing_limits = PosingLimits::new(view.vertices.len(), view.triangles.len());
-        // Of a part with time segments, one of them is in use.
+        // Of a part with time segments, one of them is in use. Of a kd-tree, seven nodes are as much as one with eight children.
         let in_segments: u64 = view
             .clusters
             .iter()
             .map(|cluster| u64::from(cluster.triangle_count))
             .sum();
-        let nodes_per_pose =
-            (view.wide_nodes.len() as u64 * view.triangles.len() as u64).div_ceil(in_segments.max(1)) as usize;
+        let nodes_per_pose = ((view.wide_nodes.len() + view.kd_nodes.len() / 7) as u64 * view.triangles.len() as u64)
+            .div_ceil(in_segments.max(1)) as usize;
         Self {
             model,
             nodes_per_pose,
@@ -253,7 +254,7 @@ impl Asset {
         &self.top_level
     }
 
-    /// Nodes of the wide trees that a pose goes by, about.
+    /// Nodes of trees that a pose goes by, about, as wide ones.
     pub(crate) fn nodes_per_pose(&self) -> usize {
         self.nodes_per_pose
     }
@@ -307,6 +308,18 @@ impl Asset {
         [
             LatticeRay::new(slab, bounds, self.box_steps(cluster)),
             LatticeRay::within(&follows, rest.origin, [rest.step; 3], MOST_STEPS),
+        ]
+    }
+
+    /// The lattices of a cluster's fuzzy boxes, and of its rest positions, as a bundle takes them to local space.
+    pub(crate) fn local_lattices(&self, cluster: u32, frame: &BundleFrame) -> [LocalLattice; 2] {
+        let (bounds, rest) = (
+            &self.model().clusters[cluster as usize].bounds_local,
+            self.rest_lattice(cluster),
+        );
+        [
+            LocalLattice::new(bounds.min, *self.box_steps(cluster), frame.margin),
+            LocalLattice::new(rest.origin, [rest.step; 3], frame.margin_posed),
         ]
     }
 

@@ -15,6 +15,8 @@ pub(crate) use cluster_state::{ClusterState, PosedCluster, TRIANGLES_PER_RAY};
 pub(crate) use pool::PreparedPool;
 pub(crate) use whole::Whole;
 
+#[cfg(target_arch = "x86_64")]
+use crate::simd::Avx2;
 use crate::{
     Aabb, Affine, Asset, Pose, PoseEvaluator,
     box_tree::{BoxTree, triangle_box},
@@ -385,6 +387,34 @@ impl Prepared {
             }
         }
         out
+    }
+
+    /// As [`Self::pose_triangle`].
+    #[inline]
+    pub(crate) fn pose_triangle_at(
+        &self,
+        level: SimdLevel,
+        model: &ModelView,
+        cache: u32,
+        triangle: u32,
+    ) -> [[f32; 3]; 3] {
+        #[cfg(target_arch = "x86_64")]
+        if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {
+            #[target_feature(enable = "avx2,popcnt")]
+            fn compiled(
+                simd: Avx2,
+                prepared: &Prepared,
+                model: &ModelView,
+                cache: u32,
+                triangle: u32,
+            ) -> [[f32; 3]; 3] {
+                prepared.pose_triangle(simd, model, cache, triangle, &mut ())
+            }
+            #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
+            // SAFETY: an `Avx2` exists only on machines that have both features.
+            return unsafe { compiled(simd, self, model, cache, triangle) };
+        }
+        self.pose_triangle(Portable, model, cache, triangle, &mut ())
     }
 
     /// Poses all vertices in world space, on all cores.

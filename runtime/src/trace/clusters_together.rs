@@ -6,18 +6,30 @@ use super::{
     flight::{Actor, Inside},
     fly::Departure,
     fuzzy_tree::FuzzyTree,
+    mailbox::Mailbox,
 };
 use crate::{
-    cluster_frame::Way,
+    cluster_frame::{LatticeRay, LocalFrame, Way},
     posing::BundleWork,
     prepared::{ClusterState, PosedCluster},
-    wide::{Bundled, GROUP, Part, WideStack, walk_together},
+    set_bits::set_bits,
+    wide::{Bundled, GROUP, KdSpace, PACKET, Part, WideStack, walk_together},
 };
 use restpose_formats::TreeKind;
+use std::ops::Range;
 
 /// Rays that are so few at a cluster that each goes on alone. A picture of a thousand foxes, a hundred rays to each, took 15 % longer
 /// without it; with 24, one of 576 triangles in 10,000 rays took 40 % longer.
 const FEW: u32 = 12;
+
+/// A cluster that rays enter in its local space.
+#[derive(Clone, Copy)]
+struct Entered<'a> {
+    actor: Actor<'a>,
+    state: &'a ClusterState,
+    posed: &'a PosedCluster,
+    local: &'a LocalFrame,
+}
 
 impl Bundle<'_> {
     /// Traces these groups through the clusters of the instance at an index. False where the rays must go one by one.
@@ -31,7 +43,7 @@ impl Bundle<'_> {
     ) -> bool {
         let Actor { asset, prepared, .. } = actor;
         let nodes = prepared.top_level.nodes();
-        if asset.model().meta.tree != TreeKind::Wide || !bundled.is_narrow(&prepared.bounds(), asset.nodes_per_pose()) {
+        if !bundled.is_narrow(&prepared.bounds(), asset.nodes_per_pose()) {
             return false;
         }
         let Some(together) = bundled.in_world(nodes) else {
@@ -46,20 +58,30 @@ impl Bundle<'_> {
         } = room;
         let mut work = BundleWork::default();
         let mut visit = |part: Part, bundled: &mut Bundled| {
-            match part {
+            let (inside, places) = match part {
                 Part::Leaf { leaf, groups } => {
-                    let posed = prepared.cluster(asset, leaf, &mut context.cluster.motions);
-                    let tree = (actor, posed);
-                    if !self.enter_cluster::<ANY>(tree, groups, bundled, (room, lone_stack), &mut work) {
-                        let places = bundled.meeting(level, groups, &posed.1.frame.bounds_world);
-                        let inside = Inside::Cluster(leaf);
-                        self.alone_from::<ANY>(Departure::Instance { index, inside }, places, bundled, context);
-                    }
+                    let (state, posed) = prepared.cluster(asset, leaf, &mut context.cluster.motions);
+                    let places = bundled.meeting(level, groups, &posed.frame.bounds_world);
+                    let room = (&mut *room, &mut *lone_stack);
+                    let is_refitted = posed.refit_after != u32::MAX && state.refitted().is_worth_it(posed.refit_after);
+                    let is_done = match &posed.frame.way {
+                        Way::Local(local) if !is_refitted => {
+                            let cluster = Entered {
+                                actor,
+                                state,
+                                posed,
+                                local,
+                            };
+                            self.enter_cluster::<ANY>(&cluster, (groups, places), bundled, room, &mut work)
+                        }
+                        _ => false,
+                    };
+                    (Inside::Cluster(leaf), if is_done { 0 } else { places })
                 }
-                Part::Alone { node, places } => {
-                    let inside = Inside::Node(node);
-                    self.alone_from::<ANY>(Departure::Instance { index, inside }, places, bundled, context);
-                }
+                Part::Alone { node, places } => (Inside::Node(node), places),
+            };
+            if places != 0 {
+                self.alone_from::<ANY>(Departure::Instance { index, inside }, places, bundled, context);
             }
             bundled.is_over()
         };
@@ -68,45 +90,51 @@ impl Bundle<'_> {
         true
     }
 
-    /// False where the rays must go one by one, the cluster being refitted.
+    /// Traces those of these groups that meet the cluster. False where they must go one by one.
     fn enter_cluster<const ANY: bool>(
         &mut self,
-        (actor, (state, posed)): (Actor<'_>, (&ClusterState, &PosedCluster)),
+        cluster: &Entered,
+        (groups, places): (u32, u64),
+        bundled: &mut Bundled,
+        (room, lone_stack): (&mut ClusterRoom, &mut WideStack),
+        work: &mut BundleWork,
+    ) -> bool {
+        let is_few = places.count_ones() <= FEW;
+        match cluster.actor.asset.model().meta.tree {
+            TreeKind::Kd => !is_few && self.walk_kd::<ANY>(cluster, groups, bundled, room, work),
+            TreeKind::Wide => {
+                if is_few || !self.walk_wide::<ANY>(cluster, groups, bundled, (room, lone_stack), work) {
+                    work.lone += places.count_ones();
+                    let mut tree = cluster.tree(&mut room.rays);
+                    self.alone_below::<ANY>(&mut tree, 0, places, bundled, lone_stack);
+                }
+                true
+            }
+        }
+    }
+
+    /// False where they must go one by one.
+    fn walk_wide<const ANY: bool>(
+        &mut self,
+        cluster: &Entered,
         groups: u32,
         bundled: &mut Bundled,
         (room, lone_stack): (&mut ClusterRoom, &mut WideStack),
         work: &mut BundleWork,
     ) -> bool {
-        let Way::Local(local) = &posed.frame.way else {
-            return false;
-        };
-        if posed.refit_after != u32::MAX && state.refitted().is_worth_it(posed.refit_after) {
-            return false;
-        }
         let level = self.scene.simd;
-        let ClusterRoom {
-            stack,
-            local: local_rays,
-            path,
-            rays,
-        } = room;
-        let bounds = &posed.frame.bounds_world;
-        let mut tree = FuzzyTree::new(actor, state, posed, local, rays);
-        let places = bundled.meeting(level, groups, bounds);
-        let pays = places.count_ones() > FEW;
-        let together = pays.then(|| bundled.in_cluster(level, groups, (local, bounds), local_rays));
-        let Some((together, frame)) = together.flatten() else {
-            work.lone += places.count_ones();
-            self.alone_below::<ANY>(&mut tree, 0, places, bundled, lone_stack);
-            return true;
+        let space = (cluster.local, &cluster.posed.frame.bounds_world);
+        let Some((together, frame)) = bundled.in_cluster(level, groups, space, &mut room.local) else {
+            return false;
         };
         work.clusters += 1;
-        let mut nodes = tree.for_bundle(&frame, path);
+        let mut tree = cluster.tree(&mut room.rays);
+        let mut nodes = tree.for_bundle(&frame, &mut room.path);
         let mut visit = |part: Part, bundled: &mut Bundled| {
             match part {
                 Part::Leaf { leaf, groups } => {
                     work.triangles += 1;
-                    self.test::<ANY>(actor.id, leaf, &tree.pose(level, leaf), groups, bundled);
+                    self.pose_and_test::<ANY>(cluster, leaf, groups, bundled);
                 }
                 Part::Alone { node, places } => {
                     work.lone += places.count_ones();
@@ -115,7 +143,65 @@ impl Bundle<'_> {
             }
             bundled.is_over()
         };
-        walk_together(level, &mut nodes, &together, bundled, stack, &mut visit);
+        walk_together(level, &mut nodes, &together, bundled, &mut room.stack, &mut visit);
         true
+    }
+
+    /// False where they must go one by one.
+    fn walk_kd<const ANY: bool>(
+        &mut self,
+        cluster: &Entered,
+        groups: u32,
+        bundled: &mut Bundled,
+        room: &mut ClusterRoom,
+        work: &mut BundleWork,
+    ) -> bool {
+        let level = self.scene.simd;
+        let (asset, row) = (cluster.actor.asset, cluster.state.row);
+        let (model, rows) = (asset.model(), &asset.model().clusters[row as usize]);
+        let space = (cluster.local, &cluster.posed.frame.bounds_world);
+        let Some((together, frame)) = bundled.in_cluster(level, groups, space, &mut room.local) else {
+            return false;
+        };
+        work.clusters += 1;
+        let [lattice, _] = asset.local_lattices(row, &frame);
+        let space = KdSpace {
+            nodes: &model.kd_nodes[rows.node_first as usize..][..rows.node_count as usize],
+            bounds: &rows.bounds_local,
+            together: &together,
+            frame: &frame,
+        };
+        let own = rows.reference_first as usize..(rows.reference_first + rows.reference_count) as usize;
+        let (references, boxes) = (&model.references[own.clone()], &model.reference_boxes[own]);
+        for group in set_bits(groups.into()) {
+            let mut mailbox = Mailbox::EMPTY;
+            let mut visit = |leaf: Range<usize>, bundled: &mut Bundled| {
+                for (bounds, triangle) in boxes[leaf.clone()].iter().zip(&references[leaf]) {
+                    let bounds = lattice.widened_box(bounds);
+                    if bundled.meeting_in(level, &together, 1 << group, &bounds) != 0 && mailbox.insert(*triangle) {
+                        work.triangles += 1;
+                        self.pose_and_test::<ANY>(cluster, *triangle, 1 << group, bundled);
+                    }
+                }
+                bundled.is_over()
+            };
+            bundled.walk_kd(level, group, &space, &mut room.kd_stack, &mut visit);
+        }
+        true
+    }
+
+    fn pose_and_test<const ANY: bool>(&mut self, cluster: &Entered, triangle: u32, groups: u32, bundled: &mut Bundled) {
+        let Actor { id, asset, prepared } = cluster.actor;
+        let corners = prepared.pose_triangle_at(self.scene.simd, asset.model(), cluster.state.cache, triangle);
+        self.test::<ANY>(id, triangle, &corners, groups, bundled);
+    }
+}
+
+impl<'a> Entered<'a> {
+    fn tree<'t>(&self, rays: &'t mut [[LatticeRay; 2]; PACKET]) -> FuzzyTree<'t>
+    where
+        'a: 't,
+    {
+        FuzzyTree::new(self.actor, self.state, self.posed, self.local, rays)
     }
 }

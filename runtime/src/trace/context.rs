@@ -11,7 +11,7 @@ use crate::{
     excess::Motions,
     prepared::Prepared,
     scene::Scene,
-    wide::{FuzzyPath, GROUP, GroupHits, LocalRays, PACKET, Packet, WideNode, WideRay, WideStack},
+    wide::{FuzzyPath, GROUP, GroupHits, KdStack, LocalRays, PACKET, Packet, WideNode, WideRay, WideStack},
 };
 use restpose_formats::rows::MAX_WIDE_DEPTH;
 use std::cell::RefCell;
@@ -52,6 +52,7 @@ pub(super) struct ClusterRoom {
     /// Rays that go together.
     pub local: Box<LocalRays>,
     pub path: Box<FuzzyPath>,
+    pub kd_stack: Box<KdStack>,
     /// Rays that go alone, ready for the tree's two lattices.
     pub rays: Box<[[LatticeRay; 2]; PACKET]>,
 }
@@ -96,6 +97,7 @@ impl TraceContext {
                         stack: WideStack::new(),
                         local: Box::new(LocalRays::NONE),
                         path: Box::new([WideNode::EMPTY; MAX_WIDE_DEPTH]),
+                        kd_stack: Box::new(KdStack::NONE),
                         rays: Box::new([[LatticeRay::NONE; 2]; PACKET]),
                     },
                 },

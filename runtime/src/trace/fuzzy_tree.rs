@@ -1,11 +1,9 @@
 use super::{flight::Actor, lone_rays::LoneTree, traveller::Traveller};
-#[cfg(target_arch = "x86_64")]
-use crate::simd::Avx2;
 use crate::{
     Aabb, InstanceId,
     cluster_frame::{BundleFrame, LatticeRay, LocalFrame},
     prepared::{ClusterState, PosedCluster},
-    simd::{Lanes, Portable, SimdLevel},
+    simd::Lanes,
     wide::{FuzzyBoxes, FuzzyNodes, FuzzyPath, FuzzyRay, PACKET},
 };
 use restpose_formats::rows::WideNodeRow;
@@ -53,27 +51,8 @@ impl<'a> FuzzyTree<'a> {
     where
         'a: 'p,
     {
-        let asset = self.actor.asset;
-        let lattice = (
-            asset.model().clusters[self.cluster as usize].bounds_local.min,
-            *asset.box_steps(self.cluster),
-        );
-        let rest = asset.rest_lattice(self.cluster);
-        FuzzyNodes::new(self.nodes, self.boxes, lattice, rest, frame, path)
-    }
-
-    pub(super) fn pose(&self, level: SimdLevel, triangle: u32) -> [[f32; 3]; 3] {
-        #[cfg(target_arch = "x86_64")]
-        if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {
-            #[target_feature(enable = "avx2,popcnt")]
-            fn compiled(simd: Avx2, tree: &FuzzyTree, triangle: u32) -> [[f32; 3]; 3] {
-                tree.corners(simd, triangle)
-            }
-            #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
-            // SAFETY: an `Avx2` exists only on machines that have both features.
-            return unsafe { compiled(simd, self, triangle) };
-        }
-        self.corners(Portable, triangle)
+        let lattices = self.actor.asset.local_lattices(self.cluster, frame);
+        FuzzyNodes::new(self.nodes, self.boxes, lattices, path)
     }
 }
 

@@ -23,7 +23,9 @@ mod fuzzy_ray;
 #[cfg(test)]
 mod fuzzy_ray_tests;
 mod group_bundles;
+mod kd_groups;
 mod key_boxes;
+mod local_lattice;
 mod node;
 mod packet;
 #[cfg(test)]
@@ -41,7 +43,9 @@ pub(crate) use collapse::collapse;
 pub(crate) use descent::Descent;
 pub(crate) use fuzzy_nodes::{FuzzyNodes, FuzzyPath};
 pub(crate) use fuzzy_ray::{FuzzyBoxes, FuzzyRay};
+pub(crate) use kd_groups::{KdSpace, KdStack};
 pub(crate) use key_boxes::KeyBoxes;
+pub(crate) use local_lattice::LocalLattice;
 pub(crate) use node::{WideNode, append_rows};
 pub(crate) use packet::{Bundled, LocalRays, PACKET, Packet};
 pub(crate) use packet_walk::{Part, walk_together};

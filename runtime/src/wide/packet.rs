@@ -332,6 +332,21 @@ impl<'a> Bundled<'a> {
         self.meeting_with(Portable, groups, None, bounds, outwards)
     }
 
+    /// [`Self::meeting`], in a cluster's local space, where the box is widened by the margin.
+    pub(crate) fn meeting_in(&self, level: SimdLevel, together: &Together, groups: u32, bounds: &Aabb) -> u64 {
+        #[cfg(target_arch = "x86_64")]
+        if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {
+            #[target_feature(enable = "avx2,popcnt")]
+            fn compiled(simd: Avx2, bundled: &Bundled, together: &Together, groups: u32, bounds: &Aabb) -> u64 {
+                bundled.meeting_with(simd, groups, together.rays, bounds, together.outwards)
+            }
+            #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
+            // SAFETY: an `Avx2` exists only on machines that have both features.
+            return unsafe { compiled(simd, self, together, groups, bounds) };
+        }
+        self.meeting_with(Portable, groups, together.rays, bounds, together.outwards)
+    }
+
     /// [`Self::meeting`] in the space that `rays` are in, world space without any, where `outwards` is by how much planes move, per
     /// axis.
     #[inline(always)]

@@ -212,6 +212,20 @@ impl RayGroup {
         bounds: &Aabb,
         outwards: [f32; 3],
     ) -> u32 {
+        let [enter, exit] = self.clipped(simd, slabs, bounds, outwards);
+        simd.le8(enter, exit) & self.used
+    }
+
+    /// As [`Self::meeting`]: where each ray may be inside the box, within its range; nowhere where it leaves before it enters, or
+    /// leaves at no number.
+    #[inline(always)]
+    pub(super) fn clipped<S: Lanes>(
+        &self,
+        simd: S,
+        slabs: Option<&SlabLanes>,
+        bounds: &Aabb,
+        outwards: [f32; 3],
+    ) -> [S::F8; 2] {
         let slabs = slabs.unwrap_or(&self.slabs);
         let [mut enter, mut exit] = widened(simd, simd.load8(&self.range[0]), simd.load8(&self.range[1]));
         for k in 0..3 {
@@ -224,7 +238,14 @@ impl RayGroup {
             enter = simd.max8(simd.min8(low, high), enter);
             exit = simd.min8(simd.max8(low, high), exit);
         }
-        simd.le8(enter, exit) & self.used
+        [enter, exit]
+    }
+
+    /// What is behind the `t` beyond which no hit matters, per ray; no number for none at all.
+    #[inline(always)]
+    pub(super) fn widened_limit<S: Lanes>(&self, simd: S) -> S::F8 {
+        let limit = simd.load8(&self.range[1]);
+        widened(simd, limit, limit)[1]
     }
 }
 

@@ -71,12 +71,14 @@ fn assert_alike(name: &str, frame: &Frame, rays: &[Ray]) -> usize {
 #[test]
 fn batches_answer_what_single_rays_do() {
     let mut hits = 0;
-    for (index, path) in sample_scenes().iter().enumerate() {
-        let wide = BakeSettings {
-            tree: TreeKind::Wide,
+    let scenes = sample_scenes();
+    let trees = scenes.iter().flat_map(|path| [TreeKind::Wide, TreeKind::Kd].map(|tree| (path, tree)));
+    for (index, (path, tree)) in trees.enumerate() {
+        let settings = BakeSettings {
+            tree,
             ..BakeSettings::default()
         };
-        let asset = baked_with(&import(path).unwrap().animation, &wide);
+        let asset = baked_with(&import(path).unwrap().animation, &settings);
         for posing in [Posing::Whole, Posing::Chosen] {
             let mut scene = Scene::new();
             let instances: Vec<InstanceId> = (0..3).map(|_| scene.add(&asset)).collect();
@@ -99,7 +101,7 @@ fn batches_answer_what_single_rays_do() {
                 }
             }
             let frame = scene.commit();
-            let name = format!("{}, {posing:?}", path.display());
+            let name = format!("{}, {tree:?}, {posing:?}", path.display());
             for from in [[0.1, 0.2, 1.4], [-1.0, 0.6, 0.3], [0.0, 0.1, 0.2]] {
                 hits += assert_alike(&name, &frame, &camera(&frame, 48, from));
             }
