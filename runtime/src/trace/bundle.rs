@@ -54,8 +54,8 @@ impl Bundle<'_> {
                     }
                     is_done
                 }
-                Some(_) => false,
-                None => {
+                // Where it has none, its vertices are of use.
+                _ => {
                     let actor = Actor { id, asset, prepared };
                     self.enter_clusters::<ANY>((actor, index), groups, bundled, room, context)
                 }

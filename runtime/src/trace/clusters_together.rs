@@ -101,7 +101,8 @@ impl Bundle<'_> {
     ) -> bool {
         let is_few = places.count_ones() <= FEW;
         match cluster.actor.asset.model().meta.tree {
-            TreeKind::Kd => !is_few && self.walk_kd::<ANY>(cluster, groups, bundled, room, work),
+            // Rays through a posed kd-tree go alone, so that posing would save these nothing.
+            TreeKind::Kd => !is_few && self.walk_kd::<ANY>(cluster, groups, bundled, room),
             TreeKind::Wide => {
                 if is_few || !self.walk_wide::<ANY>(cluster, groups, bundled, (room, lone_stack), work) {
                     work.lone += places.count_ones();
@@ -154,7 +155,6 @@ impl Bundle<'_> {
         groups: u32,
         bundled: &mut Bundled,
         room: &mut ClusterRoom,
-        work: &mut BundleWork,
     ) -> bool {
         let level = self.scene.simd;
         let (asset, row) = (cluster.actor.asset, cluster.state.row);
@@ -163,7 +163,6 @@ impl Bundle<'_> {
         let Some((together, frame)) = bundled.in_cluster(level, groups, space, &mut room.local) else {
             return false;
         };
-        work.clusters += 1;
         let [lattice, _] = asset.local_lattices(row, &frame);
         let space = KdSpace {
             nodes: &model.kd_nodes[rows.node_first as usize..][..rows.node_count as usize],
@@ -179,7 +178,6 @@ impl Bundle<'_> {
                 for (bounds, triangle) in boxes[leaf.clone()].iter().zip(&references[leaf]) {
                     let bounds = lattice.widened_box(bounds);
                     if bundled.meeting_in(level, &together, 1 << group, &bounds) != 0 && mailbox.insert(*triangle) {
-                        work.triangles += 1;
                         self.pose_and_test::<ANY>(cluster, *triangle, 1 << group, bundled);
                     }
                 }

@@ -72,7 +72,9 @@ fn assert_alike(name: &str, frame: &Frame, rays: &[Ray]) -> usize {
 fn batches_answer_what_single_rays_do() {
     let mut hits = 0;
     let scenes = sample_scenes();
-    let trees = scenes.iter().flat_map(|path| [TreeKind::Wide, TreeKind::Kd].map(|tree| (path, tree)));
+    let trees = scenes
+        .iter()
+        .flat_map(|path| [TreeKind::Wide, TreeKind::Kd].map(|tree| (path, tree)));
     for (index, (path, tree)) in trees.enumerate() {
         let settings = BakeSettings {
             tree,
