@@ -2,8 +2,12 @@
 //! kd-tree, or a wide one, some of whose boxes follow the pose.
 //!
 //! A ray is a state machine over these trees ([`flight`]): one alone goes from its begin to its end, those of a batch that no
-//! bundle takes ([`batch`]) take turns where they wait for memory ([`fly()`]). Those that part from their bundle inside an
-//! instance all of which is posed pass what is below one after the other ([`whole_tree`]).
+//! bundle takes take turns where they wait for memory ([`fly()`]).
+//!
+//! Coherent rays of a batch go together as a [`bundle`]: through the tree over instances, and in each of these through the one
+//! over all of its posed triangles ([`whole_tree`]), or through its clusters ([`clusters_together`]) and their trees
+//! ([`fuzzy_tree`]), where a box is made and a triangle posed once for all of them. Those that part from their bundle there pass
+//! what is below one after the other ([`lone_rays`]).
 //!
 //! Inside, the ray is `origin + t·2^e·direction'` with the direction scaled by a power of two so that its longest
 //! component is in [1, 2): `t` then measures lengths, whatever the caller's units, and error bounds in lengths hold.

@@ -1,15 +1,13 @@
 use super::{
-    WideNode,
-    boxes::WideBoxes,
-    packet::{Bundled, Together},
+    bundled::{Bundled, Together},
     ray_group::GROUP,
-    stack::WideStack,
 };
 #[cfg(target_arch = "x86_64")]
 use crate::simd::Avx2;
 use crate::{
     Aabb,
     simd::{Lanes, Portable, SimdLevel, prefetch},
+    wide::{WideBoxes, WideNode, WideStack},
 };
 use restpose_formats::rows::WideChild;
 
@@ -59,7 +57,7 @@ impl BundleTree for &[WideNode] {
     }
 }
 
-/// As [`Descent`](super::Descent), for the rays of a bundle: each child is looked at by those groups of rays whose own bundle meets
+/// As [`Descent`](crate::wide::Descent), for the rays of a bundle: each child is looked at by those groups of rays whose own bundle meets
 /// its box, and goes to `visit` where it is a leaf or few rays are left. What `visit` cuts counts from then on.
 ///
 /// Every leaf that a ray may touch is visited with the ray's group, or lies below a node at which the ray goes on alone.

@@ -1,10 +1,11 @@
-use super::{
-    fuzzy_ray::{FuzzyBoxes, follows},
-    local_lattice::LocalLattice,
-    node::WideNode,
-    packet_walk::BundleTree,
+use super::{local_lattice::LocalLattice, walk::BundleTree};
+use crate::{
+    simd::{Lanes, prefetch},
+    wide::{
+        WideNode,
+        fuzzy_ray::{FuzzyBoxes, follows},
+    },
 };
-use crate::simd::{Lanes, prefetch};
 use restpose_formats::rows::{MAX_WIDE_DEPTH, WideNodeRow};
 
 /// Nodes of a cluster's tree on the way down to where a bundle is.

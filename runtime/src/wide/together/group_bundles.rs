@@ -1,12 +1,12 @@
 use super::{
-    WideNode,
-    bundle::{WideBundle, origin_slack},
+    ray_bundle::{WideBundle, origin_slack},
     ray_group::{GROUP, RayGroup},
 };
 use crate::{
     cluster_frame::{EXTENT_LIMIT, SlabLanes},
     set_bits::set_bits,
     simd::Lanes,
+    wide::WideNode,
 };
 
 /// Bundles of up to eight groups, lane by lane, which one box is tested against.

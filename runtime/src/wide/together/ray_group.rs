@@ -1,4 +1,4 @@
-use super::bundle::lengthened;
+use super::ray_bundle::lengthened;
 use crate::{Aabb, Ray, cluster_frame::SlabLanes, simd::Lanes, triangle::PreparedRay};
 use restpose_formats::geom::round::UNIT_ROUNDOFF;
 
@@ -200,18 +200,12 @@ impl RayGroup {
         bits
     }
 
-    /// As [`Bundled::meeting`](super::Bundled::meeting), for rays of a bundle in the space that `slabs` are in, the group's own
-    /// without any: `outwards` is by how much planes move, per axis, and reaches the margin of each of the rays.
+    /// As [`Bundled::meeting`](super::Bundled::meeting), for rays of a bundle in the space that `slabs` hold them in:
+    /// `outwards` is by how much planes move, per axis, and reaches the margin of each of the rays.
     ///
     /// The box is not empty.
     #[inline(always)]
-    pub(super) fn meeting<S: Lanes>(
-        &self,
-        simd: S,
-        slabs: Option<&SlabLanes>,
-        bounds: &Aabb,
-        outwards: [f32; 3],
-    ) -> u32 {
+    pub(super) fn meeting<S: Lanes>(&self, simd: S, slabs: &SlabLanes, bounds: &Aabb, outwards: [f32; 3]) -> u32 {
         let [enter, exit] = self.clipped(simd, slabs, bounds, outwards);
         simd.le8(enter, exit) & self.used
     }
@@ -222,11 +216,10 @@ impl RayGroup {
     pub(super) fn clipped<S: Lanes>(
         &self,
         simd: S,
-        slabs: Option<&SlabLanes>,
+        slabs: &SlabLanes,
         bounds: &Aabb,
         outwards: [f32; 3],
     ) -> [S::F8; 2] {
-        let slabs = slabs.unwrap_or(&self.slabs);
         let [mut enter, mut exit] = widened(simd, simd.load8(&self.range[0]), simd.load8(&self.range[1]));
         for k in 0..3 {
             let origin = simd.load8(&slabs.origin[k]);

@@ -1,10 +1,10 @@
-use super::{WideNode, boxes::WideBoxes, ray::ORIGIN_SLACK};
 #[cfg(target_arch = "x86_64")]
 use crate::simd::Avx2;
 use crate::{
     Aabb, Ray,
     cluster_frame::WORLD_RAY_ERROR,
     simd::{Lanes, Portable, SimdLevel},
+    wide::{WideNode, boxes::WideBoxes, ray::ORIGIN_SLACK},
 };
 
 /// 2³⁰: components of directions that are longer, or all shorter than its inverse, are left to single rays, which scale
@@ -111,7 +111,7 @@ impl RayBundle {
     }
 
     /// By how much the planes of boxes inside `bounds` move, per axis: the margin of the farthest of the rays, and what
-    /// folding it into an origin needs (see [`WideRay`](super::WideRay)).
+    /// folding it into an origin needs (see [`WideRay`](crate::wide::WideRay)).
     #[inline]
     pub(super) fn outwards(&self, bounds: &Aabb) -> [f32; 3] {
         let margin = WORLD_RAY_ERROR * self.distance(bounds) + FLOOR;
@@ -164,7 +164,7 @@ impl RayBundle {
     }
 }
 
-/// What folding a margin into origins needs, per axis (see [`WideRay`](super::WideRay)).
+/// What folding a margin into origins needs, per axis (see [`WideRay`](crate::wide::WideRay)).
 #[inline]
 pub(super) fn origin_slack([low, high]: &[[f32; 3]; 2]) -> [f32; 3] {
     std::array::from_fn(|k| ORIGIN_SLACK * low[k].abs().max(high[k].abs()))
@@ -175,7 +175,7 @@ pub(super) fn origin_slack([low, high]: &[[f32; 3]; 2]) -> [f32; 3] {
 /// # Why it misses nothing that one of its rays hits
 ///
 /// Take each ray with its direction [`lengthened`], which the margin has room for. The bundle's margin is that of the ray with
-/// the greatest distance, and its origins are the outermost of all. Rounding is monotone, so `a = fl(plane − near)` is not above what [`WideRay`](super::WideRay) computes for any of the rays; and a
+/// the greatest distance, and its origins are the outermost of all. Rounding is monotone, so `a = fl(plane − near)` is not above what [`WideRay`](crate::wide::WideRay) computes for any of the rays; and a
 /// product being monotone in either factor, the lesser of `fl(a·i)` over both ends i of the interval of inverses is not
 /// above that ray's. Far planes go the other way. So where such a ray's own test passes, the bundle's does. That directions are
 /// not scaled here changes only what underflows, which the floor of the margin covers, and by how much they are lengthened.

@@ -1,4 +1,4 @@
-use super::{boxes::WideBoxes, bundle::lengthened, ray_group::RayGroup, tests::visits_below, *};
+use super::{ray_bundle::lengthened, ray_group::RayGroup, *};
 #[cfg(target_arch = "x86_64")]
 use crate::simd::Avx2;
 use crate::{
@@ -8,6 +8,7 @@ use crate::{
     set_bits::set_bits,
     simd::{Lanes, Portable, SimdLevel},
     triangle::{PreparedRay, TriangleHit},
+    wide::{WideBoxes, WideNode, WideRay, WideStack, collapse, tests::visits_below},
 };
 use fastrand::Rng;
 

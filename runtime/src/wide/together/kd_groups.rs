@@ -1,5 +1,5 @@
 use super::{
-    packet::{Bundled, Together},
+    bundled::{Bundled, Together},
     ray_group::GROUP,
 };
 #[cfg(target_arch = "x86_64")]
@@ -110,7 +110,7 @@ impl Bundled<'_> {
             }
         }
         let own = &self.packet.groups[group % GROUP];
-        let [mut enter, mut exit] = own.clipped(simd, Some(slabs), space.bounds, space.outwards());
+        let [mut enter, mut exit] = own.clipped(simd, slabs, space.bounds, space.outwards());
         // Lanes without a ray end before they begin.
         if simd.le8(enter, exit) == 0 {
             return;
