@@ -22,14 +22,17 @@ impl LocalLattice {
         }
     }
 
-    /// The least and the greatest sides of eight boxes along an axis, in local space.
+    /// The least and the greatest sides of eight boxes along an axis, in local space. Where a box is nowhere, as one that follows a
+    /// pose in which numbers overflow, they are infinite, so that both restrict nothing.
     #[inline(always)]
     pub(super) fn widened<S: Lanes>(&self, simd: S, k: usize, [least, greatest]: [S::F8; 2]) -> [S::F8; 2] {
         let (zero, step) = (simd.splat8(self.zero[k]), simd.splat8(self.step[k]));
         let margin = simd.splat8(self.margin[k]);
+        let least = simd.sub8(simd.add8(zero, simd.mul8(least, step)), margin);
+        let greatest = simd.add8(simd.add8(zero, simd.mul8(greatest, step)), margin);
         [
-            simd.sub8(simd.add8(zero, simd.mul8(least, step)), margin),
-            simd.add8(simd.add8(zero, simd.mul8(greatest, step)), margin),
+            simd.max8(least, simd.splat8(f32::NEG_INFINITY)),
+            simd.min8(greatest, simd.splat8(f32::INFINITY)),
         ]
     }
 

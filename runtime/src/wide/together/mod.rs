@@ -10,6 +10,8 @@
 //! against the bundles of all groups of eight rays at once, lane by lane, so that there is no first active ray to look for.
 
 mod bundled;
+#[cfg(test)]
+mod cluster_tests;
 mod fuzzy_nodes;
 mod group_bundles;
 mod kd_groups;
