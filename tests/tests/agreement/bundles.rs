@@ -231,3 +231,25 @@ fn large_batches_answer_what_single_rays_do() {
     let hits = assert_alike("large", &frame, &rays);
     assert!(hits > 1_000, "{hits}");
 }
+
+/// Bundles count what they cost an instance: few do not make the runtime pose all of it, many do.
+#[test]
+fn many_bundles_are_worth_posing_all_of_an_instance() {
+    let path = sample_scenes()
+        .into_iter()
+        .find(|path| path.ends_with("walker.glb"))
+        .unwrap();
+    let animation = subdivide(&import(&path).unwrap().animation, 2);
+    let asset = baked_with(&animation, &BakeSettings::default());
+    for (side, whole) in [(64, 0), (1024, 1)] {
+        let mut scene = Scene::new();
+        let walker = scene.add(&asset);
+        scene.play(walker, 0, 0.4).unwrap();
+        let frame = scene.commit();
+        let rays = camera(&frame, side, [0.3, 0.4, 1.2]);
+        let mut hits = vec![None; rays.len()];
+        frame.closest_hits(&rays, &mut hits);
+        assert!(hits.iter().flatten().count() > rays.len() / 50);
+        assert_eq!(frame.stats().instances_whole, whole, "{side}");
+    }
+}
