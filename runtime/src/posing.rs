@@ -266,6 +266,28 @@ mod tests {
         assert_eq!(frames(&[100_000; 2], 0, 0), [Some(1250), Some(0)]);
     }
 
+    #[test]
+    fn bundles_count_what_they_cost() {
+        let own = PosingLimits::new(10_000, 20_000);
+        let demand = Demand::default();
+        let work = BundleWork {
+            clusters: 100,
+            triangles: 2_000,
+            lone: 1_249,
+        };
+        demand.count_bundle(64, &work, &own);
+        assert!(!own.is_whole_due(&demand, || 0));
+        demand.count_bundle(
+            64,
+            &BundleWork {
+                lone: 1,
+                ..BundleWork::default()
+            },
+            &own,
+        );
+        assert!(own.is_whole_due(&demand, || 0), "5,000 tests");
+    }
+
     /// 64 of these are what caches hold.
     #[test]
     fn in_a_crowd_the_whole_is_posed_where_it_saves_more_than_cold_memory_costs() {

@@ -42,10 +42,10 @@ impl RefittedTree {
         *self.entered.get_mut() = 0;
     }
 
-    /// Counts a ray that enters the cluster; true when as many as `rays` have done so before.
-    pub(crate) fn is_worth_it(&self, rays: u32) -> bool {
+    /// Counts rays that enter the cluster, so many `entering` now; true when as many as `rays` have done so before.
+    pub(crate) fn is_worth_it(&self, rays: u32, entering: u32) -> bool {
         // One ray more or less changes no hit.
-        self.nodes.get().is_some() || self.entered.fetch_add(1, Relaxed) >= rays
+        self.nodes.get().is_some() || self.entered.fetch_add(entering, Relaxed) >= rays
     }
 
     /// The boxes of the nodes of a cluster's kd-tree. `references` are its triangle rows, `first` says of each whether it is

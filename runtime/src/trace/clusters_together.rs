@@ -63,7 +63,10 @@ impl Bundle<'_> {
                     let (state, posed) = prepared.cluster(asset, leaf, &mut context.cluster.motions);
                     let places = bundled.meeting(level, groups, &posed.frame.bounds_world);
                     let room = (&mut *room, &mut *lone_stack);
-                    let is_refitted = posed.refit_after != u32::MAX && state.refitted().is_worth_it(posed.refit_after);
+                    // A group costs about as much as a ray.
+                    let entering = if places == 0 { 0 } else { groups.count_ones() };
+                    let is_refitted =
+                        posed.refit_after != u32::MAX && state.refitted().is_worth_it(posed.refit_after, entering);
                     let is_done = match &posed.frame.way {
                         Way::Local(local) if !is_refitted => {
                             let cluster = Entered {

@@ -87,7 +87,7 @@ impl<'a> Flight<'a> {
         self.cache = state.cache;
         let model = asset.model();
         let refit_after = if self.is_whole { 0 } else { posed.refit_after };
-        let refitted = refit_after != u32::MAX && state.refitted().is_worth_it(refit_after);
+        let refitted = refit_after != u32::MAX && state.refitted().is_worth_it(refit_after, 1);
         match (&posed.frame.way, model.meta.tree) {
             (Way::Local(local), TreeKind::Wide) if !refitted => {
                 self.enter_fuzzy(asset, state, posed, local);

@@ -122,7 +122,9 @@ impl<'a> Bundled<'a> {
     ) -> Option<(Together<'r>, BundleFrame)> {
         let frame = local.bundle(self.bundle.longest, self.bundle.distance(bounds_world))?;
         let LocalRays { rays, bundles } = rays;
-        self.to_local(level, groups, (local, &frame), rays, bundles);
+        if !self.to_local(level, groups, (local, &frame), rays, bundles) {
+            return None;
+        }
         let (all, outwards) = bundles.join(groups)?;
         let together = Together {
             groups: WideGroups::new(bundles, outwards, all.near_row),
@@ -134,6 +136,7 @@ impl<'a> Bundled<'a> {
         Some((together, frame))
     }
 
+    /// Whether all origins are numbers there.
     fn to_local(
         &self,
         level: SimdLevel,
@@ -141,7 +144,7 @@ impl<'a> Bundled<'a> {
         frame: (&LocalFrame, &BundleFrame),
         rays: &mut [SlabLanes; GROUPS],
         bundles: &mut GroupBundles,
-    ) {
+    ) -> bool {
         #[inline(always)]
         fn body<S: Lanes>(
             simd: S,
@@ -150,17 +153,23 @@ impl<'a> Bundled<'a> {
             (local, bundle): (&LocalFrame, &BundleFrame),
             rays: &mut [SlabLanes; GROUPS],
             bundles: &mut GroupBundles,
-        ) {
+        ) -> bool {
             let mut left = groups;
+            let mut finite = 0xff;
             while left != 0 {
                 let group = left.trailing_zeros() as usize % GROUPS;
                 left &= left - 1;
                 let RayGroup { slabs, direction, .. } = &packet.groups[group];
                 local.enter_lanes(simd, &slabs.origin, direction, bundle, &mut rays[group]);
+                for origin in &rays[group].origin {
+                    // Extremes would not tell of what is no number.
+                    finite &= simd.lt8(simd.abs8(simd.load8(origin)), simd.splat8(f32::INFINITY));
+                }
             }
             let [a, b, c, d, e, f, g, h] = &*rays;
             bundles.set_slabs(simd, [a, b, c, d, e, f, g, h]);
             bundles.start = packet.bundles.start;
+            finite == 0xff
         }
         #[cfg(target_arch = "x86_64")]
         if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {
@@ -172,14 +181,14 @@ impl<'a> Bundled<'a> {
                 frame: (&LocalFrame, &BundleFrame),
                 rays: &mut [SlabLanes; GROUPS],
                 bundles: &mut GroupBundles,
-            ) {
-                body(simd, packet, groups, frame, rays, bundles);
+            ) -> bool {
+                body(simd, packet, groups, frame, rays, bundles)
             }
             #[expect(unsafe_code, reason = "calls what is compiled for AVX2")]
             // SAFETY: an `Avx2` exists only on machines that have both features.
             return unsafe { compiled(simd, self.packet, groups, frame, rays, bundles) };
         }
-        body(Portable, self.packet, groups, frame, rays, bundles);
+        body(Portable, self.packet, groups, frame, rays, bundles)
     }
 
     /// A bit for each ray of these groups that hits the triangle where it matters, and what
