@@ -8,8 +8,7 @@ use restpose_bake::{
 };
 use restpose_formats::TreeKind;
 use restpose_runtime::{Affine, Frame, InstanceId, Posing, Ray, Scene};
-use restpose_samples::solids::sphere;
-use restpose_tests::{MeshRecipe, baked_with, following_twin, jointed_mesh, sample_scenes};
+use restpose_tests::{baked_with, sample_scenes};
 
 /// Rays of a camera in tiles of eight by eight, as pictures should be traced: coherent but for those near its axes.
 fn camera(frame: &Frame, side: usize, from: [f32; 3]) -> Vec<Ray> {
@@ -253,44 +252,4 @@ fn many_bundles_are_worth_posing_all_of_an_instance() {
         assert!(hits.iter().flatten().count() > rays.len() / 50);
         assert_eq!(frame.stats().instances_whole, whole, "{side}");
     }
-}
-
-/// A joint so far away that where boxes that follow it are is no number, on one side.
-#[test]
-fn bundles_hit_what_is_here_while_a_joint_is_out_of_reach() {
-    let ball = sphere(3).map(|point| point * 0.5);
-    let asset = following_twin(&baked_with(
-        &jointed_mesh(&MeshRecipe::new(&ball, 4)),
-        &BakeSettings::default(),
-    ));
-    let model = asset.model();
-    let (bones, morphs) = (model.bones.len(), model.morph_targets.len());
-    let mut hits = 0;
-    for (bone, axis) in (1..bones).flat_map(|bone| (0..3).map(move |axis| (bone, axis))) {
-        let mut to = [0.0; 3];
-        to[axis] = 1e34;
-        let mut palette = vec![Affine::IDENTITY; bones];
-        palette[bone] = Affine::from_translation(to);
-        let mut scene = Scene::new();
-        let actor = scene.add(&asset);
-        scene.set_posing(actor, Posing::Recomputed).unwrap();
-        scene.set_palette(actor, &palette, &vec![0.0; morphs]).unwrap();
-        let frame = scene.commit();
-        for view in 0..6 {
-            let mut origin = [0.03, 0.02, 0.01];
-            origin[view % 3] = if view < 3 { 3.0 } else { -3.0 };
-            let ray = |index: usize| {
-                let (tile, place) = (index / 64, index % 64);
-                let x = (tile % 2 * 8 + place % 8) as f32 / 16.0 - 0.5;
-                let y = (tile / 2 * 8 + place / 8) as f32 / 16.0 - 0.5;
-                let mut target = [x * 1.2 + 0.003, y * 1.2 + 0.002, 0.0];
-                target.rotate_right((view + 1) % 3);
-                Ray::between(origin, target)
-            };
-            let mut rays: Vec<Ray> = (0..256).map(ray).collect();
-            rays.iter_mut().for_each(|ray| ray.t_max = f32::INFINITY);
-            hits += assert_alike(&format!("bone {bone}, axis {axis}"), &frame, &rays);
-        }
-    }
-    assert!(hits > 1_000, "{hits}");
 }
