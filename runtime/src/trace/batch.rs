@@ -41,7 +41,7 @@ impl Answer for bool {
 }
 
 /// Traces those of rays that follow each other that are coherent, together: through the tree over instances, those of whole
-/// instances, and the wide ones of clusters. `leave` is told of the others: the place of the first of up to 64,
+/// instances, and those of clusters. `leave` is told of the others: the place of the first of up to 64,
 /// and a bit for each that must go alone.
 ///
 /// `rays` may go on behind those that are asked for: the next to be.

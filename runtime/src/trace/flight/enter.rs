@@ -67,9 +67,7 @@ impl<'a> Flight<'a> {
             _ if self.tree == Tree::Whole => {}
             Inside::All => {}
             Inside::Node(node) => self.next = Next::EnterRoot(node),
-            Inside::Cluster(slot) => {
-                self.next = Next::EnterCluster(slot);
-            }
+            Inside::Cluster(slot) => self.next = Next::EnterCluster(slot),
         }
     }
 

@@ -39,7 +39,7 @@ const NODES_PER_RAY: f32 = 64.0;
 /// long as with this.
 const MOST_BREADTH: f32 = 0.7;
 
-/// Rays of a packet that go through trees in world space together.
+/// Rays of a packet that go through trees together.
 #[derive(Debug)]
 pub(crate) struct Bundled<'a> {
     pub(super) packet: &'a mut Packet,
@@ -86,7 +86,7 @@ impl<'a> Bundled<'a> {
     /// Ready for a tree; `None` where the rays are to go one by one: where distances overflow.
     #[inline]
     pub(crate) fn in_world(&self, tree: &[WideNode]) -> Option<Together<'static>> {
-        // A place in it is one number (`packet_walk`).
+        // A place in it is one number (`walk`).
         if tree.len() > 1 << 29 {
             return None;
         }
@@ -251,7 +251,8 @@ impl<'a> Bundled<'a> {
         self.meeting_with(Portable, groups, None, bounds, outwards)
     }
 
-    /// [`Self::meeting`], in a cluster's local space, where the box is widened by the margin.
+    /// [`Self::meeting`], in the local space of a cluster that they have [entered](Self::in_cluster); the box has been widened by the
+    /// margin, and none of its sides is NaN.
     pub(crate) fn meeting_in(&self, level: SimdLevel, together: &Together, groups: u32, bounds: &Aabb) -> u64 {
         #[cfg(target_arch = "x86_64")]
         if let (SimdLevel::Avx2, Some(simd)) = (level, Avx2::new()) {

@@ -203,7 +203,7 @@ impl RayGroup {
     /// As [`Bundled::meeting`](super::Bundled::meeting), for rays of a bundle in the space that `slabs` hold them in:
     /// `outwards` is by how much planes move, per axis, and reaches the margin of each of the rays.
     ///
-    /// The box is not empty.
+    /// The box is not empty, and none of its sides is NaN.
     #[inline(always)]
     pub(super) fn meeting<S: Lanes>(&self, simd: S, slabs: &SlabLanes, bounds: &Aabb, outwards: [f32; 3]) -> u32 {
         let [enter, exit] = self.clipped(simd, slabs, bounds, outwards);
