@@ -1,4 +1,5 @@
-use super::bvh_primitive::{BoxLanes, half_area};
+use super::bvh_eight::{EightBoxes, cheapest};
+use super::bvh_primitive::{BoxLanes, around};
 use crate::simd::Lanes;
 
 /// How many bins a node has along each axis: its primitives over `ratio`, kept from `min` to `max`.
@@ -44,17 +45,16 @@ impl BinCount {
 
 const MOST_BINS: usize = 128;
 
-/// Nodes with fewer primitives use one set of bins: merging would take longer than waiting.
-const PAIRED_MIN: usize = 256;
+/// Parts of the list that are binned side by side: neighbours in the list are most often neighbours in space, and a
+/// primitive would wait until the one before is in the box of their bin.
+const STREAMS: usize = 4;
 
 /// Boxes of the primitives in each bin, per axis, and how many they are.
 #[derive(Clone, Debug)]
 pub(super) struct Bins {
-    /// In large nodes every other primitive goes to a second set, so that neighbours in the list, which are most often
-    /// neighbours in space, do not wait for each other's box. The sets are merged into the first.
-    boxes: [[[BoxLanes; MOST_BINS]; 3]; 2],
-    /// Cost of what lies below each border.
-    below: [f32; MOST_BINS],
+    boxes: [[BoxLanes; MOST_BINS]; 3],
+    /// Of each border.
+    costs: [[f32; MOST_BINS + 8]; 3],
 }
 
 /// A border between two bins.
@@ -67,103 +67,129 @@ pub(super) struct Border {
 
 impl Bins {
     pub(super) const EMPTY: Self = Self {
-        boxes: [[[BoxLanes::EMPTY; MOST_BINS]; 3]; 2],
-        below: [0.0; MOST_BINS],
+        boxes: [[BoxLanes::EMPTY; MOST_BINS]; 3],
+        costs: [[0.0; MOST_BINS + 8]; 3],
     };
 
     /// Bins all primitives along all axes in one pass.
     #[inline(always)]
     pub(super) fn fill<S: Lanes>(&mut self, simd: S, primitives: &[BoxLanes], map: &BinMap<S>) {
-        self.clear(0, map.count);
-        if primitives.len() < PAIRED_MIN {
-            for primitive in primitives {
-                self.add(simd, 0, primitive, map);
-            }
-            return;
-        }
-        self.clear(1, map.count);
-        for pair in primitives.chunks(2) {
-            for (set, primitive) in pair.iter().enumerate() {
-                self.add(simd, set, primitive, map);
-            }
-        }
         for axis in 0..3 {
-            for bin in 0..map.count {
-                let count = self.count(axis, bin) + self.boxes[1][axis][bin].count();
-                let other = simd.load8(&self.boxes[1][axis][bin].0);
-                let own = &mut self.boxes[0][axis][bin];
-                simd.store8(simd.max8(simd.load8(&own.0), other), &mut own.0);
-                own.set_count(count);
-            }
+            self.boxes[axis][..map.count.next_multiple_of(8)].fill(BoxLanes::EMPTY);
+        }
+        let quarter = primitives.len() / STREAMS;
+        let (quarters, rest) = primitives.split_at(STREAMS * quarter);
+        let [(a, b), (c, d)] = {
+            let (low, high) = quarters.split_at(2 * quarter);
+            [low.split_at(quarter), high.split_at(quarter)]
+        };
+        for (((a, b), c), d) in a.iter().zip(b).zip(c).zip(d) {
+            self.add(simd, a, map);
+            self.add(simd, b, map);
+            self.add(simd, c, map);
+            self.add(simd, d, map);
+        }
+        for primitive in rest {
+            self.add(simd, primitive, map);
         }
     }
 
     #[inline(always)]
-    fn clear(&mut self, set: usize, count: usize) {
-        for axis in 0..3 {
-            self.boxes[set][axis][..count].fill(BoxLanes::EMPTY);
-        }
-    }
-
-    #[inline(always)]
-    fn add<S: Lanes>(&mut self, simd: S, set: usize, primitive: &BoxLanes, map: &BinMap<S>) {
+    fn add<S: Lanes>(&mut self, simd: S, primitive: &BoxLanes, map: &BinMap<S>) {
         let bins = map.bins(simd, primitive);
         let bounds = simd.load8(&primitive.0);
         for axis in 0..3 {
             let bin = bins[axis] as usize % MOST_BINS;
-            let own = &mut self.boxes[set][axis][bin].0;
+            let own = &mut self.boxes[axis][bin].0;
             simd.store8(simd.max8_counting(bounds, simd.load8(own)), own);
         }
-    }
-
-    #[inline(always)]
-    fn bounds<S: Lanes>(&self, simd: S, axis: usize, bin: usize) -> S::F8 {
-        simd.load8(&self.boxes[0][axis][bin].0)
-    }
-
-    #[inline(always)]
-    fn count(&self, axis: usize, bin: usize) -> u32 {
-        self.boxes[0][axis][bin].count()
     }
 
     /// The border at which the sum of both sides' half areas times their numbers is least, if it is below `limit`; of
     /// equal ones the lowest axis, then the highest bin.
     #[inline(always)]
     pub(super) fn best_border<S: Lanes>(&mut self, simd: S, count: usize, scale: S::F4, limit: f32) -> Option<Border> {
-        let empty = simd.load8(&BoxLanes::EMPTY.0);
-        let (mut best, mut found) = (limit, None);
+        if count <= 8 {
+            return self.best_of_eight(simd, scale, limit);
+        }
+        let scale = simd.join(scale, scale);
+        let infinity = simd.splat8(f32::INFINITY);
+        let blocks = count.div_ceil(8);
+        let mut least = [infinity; 3];
         for axis in 0..3 {
-            let (mut union, mut number) = (empty, 0);
-            for bin in 0..count - 1 {
-                union = simd.max8(union, self.bounds(simd, axis, bin));
-                number += self.count(axis, bin);
-                self.below[bin] = number as f32 * half_area(simd, union, scale);
-            }
-            let (mut union, mut number) = (empty, 0);
-            for bin in (1..count).rev() {
-                union = simd.max8(union, self.bounds(simd, axis, bin));
-                number += self.count(axis, bin);
-                // Not a number where a side is empty, and then never less.
-                let cost = self.below[bin - 1] + number as f32 * half_area(simd, union, scale);
-                if cost < best {
-                    best = cost;
-                    found = Some(Border { axis, bin });
+            let mut below = [0.0; MOST_BINS + 8];
+            let bins = self.boxes[axis].as_chunks::<8>().0;
+            let costs = &mut self.costs[axis];
+            costs[0] = f32::INFINITY;
+            let (mut union, mut number) = (EightBoxes::empty(simd), 0);
+            for block in 0..blocks {
+                let mut counted = [0.0; 8];
+                for lane in 0..8 {
+                    below[8 * block + lane] = number as f32;
+                    number += bins[block][lane].count();
+                    counted[lane] = number as f32;
                 }
+                let boxes = EightBoxes::load(simd, &bins[block]);
+                let joined = boxes.joined_below(simd).joined(simd, union);
+                let cost = simd.mul8(simd.load8(&counted), joined.half_areas(simd, scale));
+                simd.store8(cost, costs[8 * block + 1..].first_chunk_mut().unwrap());
+                union = joined.only_lane(simd, 7);
+            }
+            let all = simd.splat8(number as f32);
+            let mut union = EightBoxes::empty(simd);
+            for block in (0..blocks).rev() {
+                let boxes = EightBoxes::load(simd, &bins[block]);
+                let joined = boxes.joined_above(simd).joined(simd, union);
+                let above = simd.sub8(all, simd.load8(below[8 * block..].first_chunk().unwrap()));
+                let costs = costs[8 * block..].first_chunk_mut().unwrap();
+                let cost = simd.add8(simd.load8(costs), simd.mul8(above, joined.half_areas(simd, scale)));
+                // Where a side is empty this is no number, or infinite.
+                let cost = simd.min8(cost, infinity);
+                simd.store8(cost, costs);
+                least[axis] = simd.min8(least[axis], cost);
+                union = joined.only_lane(simd, 0);
             }
         }
-        found
+        let (best, axis, _) = cheapest(simd, &least, limit)?;
+        let best = simd.splat8(best);
+        for block in (0..blocks).rev() {
+            let costs = simd.load8(self.costs[axis][8 * block..].first_chunk().unwrap());
+            let found = simd.le8(costs, best);
+            if found != 0 {
+                return Some(Border {
+                    axis,
+                    bin: 8 * block + found.ilog2() as usize,
+                });
+            }
+        }
+        None
+    }
+
+    #[inline(always)]
+    fn best_of_eight<S: Lanes>(&self, simd: S, scale: S::F4, limit: f32) -> Option<Border> {
+        let scale = simd.join(scale, scale);
+        let mut costs = [scale; 3];
+        for axis in 0..3 {
+            let bins = self.boxes[axis].first_chunk().unwrap();
+            let boxes = EightBoxes::load(simd, bins);
+            let (mut below, mut number) = ([0.0; 8], 0);
+            for bin in 0..8 {
+                below[bin] = number as f32;
+                number += bins[bin].count();
+            }
+            let below = simd.load8(&below);
+            let above = simd.sub8(simd.splat8(number as f32), below);
+            costs[axis] = boxes.border_costs(simd, below, above, scale);
+        }
+        let (_, axis, bin) = cheapest(simd, &costs, limit)?;
+        Some(Border { axis, bin })
     }
 
     /// The boxes around what lies below and above a border.
     #[inline(always)]
     pub(super) fn sides<S: Lanes>(&self, simd: S, count: usize, border: Border) -> [BoxLanes; 2] {
-        let mut sides = [BoxLanes::EMPTY; 2];
-        for bin in 0..count {
-            let side = &mut sides[usize::from(bin >= border.bin)].0;
-            let union = simd.max8(self.bounds(simd, border.axis, bin), simd.load8(side));
-            simd.store8(union, side);
-        }
-        sides
+        let (below, above) = self.boxes[border.axis][..count].split_at(border.bin);
+        [around(simd, below), around(simd, above)]
     }
 }
 
@@ -213,7 +239,7 @@ impl<S: Lanes> BinMap<S> {
     }
 
     #[inline(always)]
-    fn bins(&self, simd: S, primitive: &BoxLanes) -> [i32; 4] {
+    pub(super) fn bins(&self, simd: S, primitive: &BoxLanes) -> [i32; 4] {
         simd.truncate4(self.place(simd, primitive))
     }
 

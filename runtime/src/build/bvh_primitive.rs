@@ -51,12 +51,6 @@ impl BoxLanes {
         self.0[7].to_bits().wrapping_sub(INTEGER_MASK)
     }
 
-    /// Sets what [`BoxLanes::count`] says.
-    #[inline(always)]
-    pub(super) fn set_count(&mut self, count: u32) {
-        self.0[7] = f32::from_bits(count.wrapping_add(INTEGER_MASK));
-    }
-
     #[inline(always)]
     pub(super) fn aabb(&self) -> Aabb {
         let lanes = &self.0;

@@ -31,7 +31,7 @@ pub(super) fn split<S: Lanes>(
     let saved = settings.traversal_cost / settings.intersection_cost;
     let limit = (number - saved as f32) * whole;
     if primitives.len() <= FEW {
-        return split_few(simd, primitives, scale, limit);
+        return split_few(simd, primitives, bounds, scale, limit);
     }
     let count = count.of(primitives.len());
     let map = BinMap::new(simd, primitives, count);
@@ -61,7 +61,7 @@ pub(super) fn halve<S: Lanes>(simd: S, primitives: &mut [BoxLanes], bounds: &Box
 /// A power of two that brings the longest side of `bounds` near one, so that no area overflows, and none vanishes that
 /// is not far smaller than that of `bounds`; `None` for a point.
 #[inline(always)]
-fn unit_scale<S: Lanes>(simd: S, bounds: &BoxLanes) -> Option<f32> {
+pub(super) fn unit_scale<S: Lanes>(simd: S, bounds: &BoxLanes) -> Option<f32> {
     let half = simd.splat4(0.5);
     let [negated_min, max] = simd.halves(simd.load8(&bounds.0));
     let [x, y, z, _] = simd.store4(simd.add4(simd.mul4(max, half), simd.mul4(negated_min, half)));

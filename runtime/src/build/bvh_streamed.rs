@@ -1,17 +1,15 @@
-use super::bvh::{Bvh, BvhContent, BvhNode, BvhSettings};
+use super::both::both;
+use super::bvh::{Bvh, BvhNode, BvhSettings};
 use super::bvh_bins::{BinCount, Bins};
+use super::bvh_extent::Extent;
+use super::bvh_large::{LARGE, build_large};
 use super::bvh_primitive::BoxLanes;
-use super::bvh_split::Split;
-use super::bvh_subtree::{Job, Plan, build_subtree, split_one};
+use super::bvh_subtree::{Job, Plan};
+#[cfg(feature = "parallel")]
+use super::bvh_tasks::{Block, build_tasks, close_gaps};
 use super::checked_boxes::CheckedBoxes;
 use crate::simd::SimdLevel;
 use restpose_formats::geom::Aabb;
-
-/// Nodes with more primitives are parted one by one, their children in parallel; the others are one task each.
-///
-/// To part nodes of more than 65,536 on all threads, in chunks whose bins are merged and whose misplaced ranges trade places, took
-/// 20 % longer on one thread (1M boxes), and no less on two; what it gains on many was not measured.
-const TASK_PRIMITIVES: usize = 4096;
 
 /// Builds hierarchies by streamed binning, on the threads of the current pool (feature `parallel`); owns all scratch memory.
 ///
@@ -21,16 +19,21 @@ const TASK_PRIMITIVES: usize = 4096;
 /// Memory: 32 bytes per box here, and 64 for nodes and 4 for references in the tree.
 ///
 /// Based on: Günther, *Ray Tracing of Dynamic Scenes*, 2014, §4.2.2. Differs where a choice of the dissertation was beaten
-/// (measured against `FusedBvh` of the tools, which keeps to the letter; trees cost the same within 0.2 %): bins are filled
+/// (measured against `FusedBvh` of the tools, which keeps to the letter; trees cost the same within 0.5 %): bins are filled
 /// in a pass of their own (in the parent's parting pass 13 to 37 % longer), nodes are parted by the map of the bins (by the
-/// bin's smallest centroid 1 to 3 % longer), and 8 primitives or fewer by exact sweeps (by bins 30 to 35 % longer with
-/// AVX2).
+/// bin's smallest centroid 1 to 3 % longer), 8 primitives or fewer by exact sweeps (by bins 30 to 35 % longer with AVX2), and
+/// of more than 4096 that are all short, 2048 are binned (all of them: 6 to 14 % longer).
+// Joining from below was tried in its place: boxes in Morton order, each joined with the best of 4 to 100 neighbours on either
+// side, as in Meister and Bittner, *Parallel Locally-Ordered Clustering*, 2018. On even surfaces such trees cost 7 to 13 % more
+// than an exact sweep's (ELEPHANT 8 to 10 %), whatever the neighbourhood and what is compared; rotations take back 1 to 2 %.
+// In an uneven room they cost 18 % less, and rays took 3 to 9 % less time (those of `obvhs`). Two rounds of it, which leave 0.4
+// of the boxes, under a tree from above: 98 to 100 %, but then it is again the tree from above that takes the time.
 #[derive(Debug)]
 pub struct StreamedBvh {
     count: BinCount,
     level: SimdLevel,
     primitives: Vec<BoxLanes>,
-    /// Of builds that are one task.
+    /// Of builds on one thread.
     bins: Option<Box<Bins>>,
 }
 
@@ -59,10 +62,18 @@ impl StreamedBvh {
     pub fn build(&mut self, boxes: CheckedBoxes<'_>, settings: &BvhSettings, tree: &mut Bvh) {
         let boxes = boxes.get();
         let count = boxes.len();
-        self.primitives.resize(count, BoxLanes::EMPTY);
-        tree.references.resize(count, 0);
-        tree.nodes.resize(2 * count - 1, BvhNode::leaf(Aabb::EMPTY, 0, 0));
-        let bounds = set_up(boxes, &mut self.primitives);
+        let (primitives, Bvh { nodes, references }) = (&mut self.primitives, &mut *tree);
+        let (extent, ()) = both(
+            count > LARGE,
+            || {
+                primitives.resize(count, BoxLanes::EMPTY);
+                set_up(boxes, primitives)
+            },
+            || {
+                references.resize(count, 0);
+                nodes.resize(2 * count - 1, BvhNode::leaf(Aabb::EMPTY, 0, 0));
+            },
+        );
         let plan = Plan {
             level: self.level,
             count: self.count,
@@ -77,143 +88,41 @@ impl StreamedBvh {
             below,
             below_first: 1,
             depth: 0,
-            bounds,
+            extent,
         };
-        let bins = self.bins.get_or_insert_with(|| Box::new(Bins::EMPTY));
-        if count <= TASK_PRIMITIVES {
-            let used = build_subtree(&plan, job, bins);
-            tree.nodes.truncate(1 + used);
-        } else {
+        #[cfg(feature = "parallel")]
+        if count > LARGE && rayon::current_num_threads() > 1 {
             let mut blocks = vec![Block { first: 0, count: 1 }];
             build_tasks(&plan, job, &mut blocks);
             close_gaps(&mut tree.nodes, &blocks);
+            return;
         }
+        let bins = self.bins.get_or_insert_with(|| Box::new(Bins::EMPTY));
+        let used = build_large(&plan, job, bins);
+        tree.nodes.truncate(1 + used);
     }
 }
 
-/// Fills the list of primitives; the box around all.
-fn set_up(boxes: &[Aabb], primitives: &mut [BoxLanes]) -> BoxLanes {
+/// Fills the list of primitives and says what they are.
+fn set_up(boxes: &[Aabb], primitives: &mut [BoxLanes]) -> Extent {
     let part = |(number, (boxes, primitives)): (usize, (&[Aabb], &mut [BoxLanes]))| {
-        let mut bounds = BoxLanes::EMPTY;
-        for (id, (own, primitive)) in (number * TASK_PRIMITIVES..).zip(boxes.iter().zip(primitives)) {
+        let mut extent = Extent::NONE;
+        for (id, (own, primitive)) in (number * LARGE..).zip(boxes.iter().zip(primitives)) {
             *primitive = BoxLanes::new(own, id as u32);
-            bounds = bounds.union(primitive);
+            let longest = (0..3).map(|axis| own.max[axis] - own.min[axis]).fold(0.0, f32::max);
+            extent = extent.join(&Extent {
+                bounds: *primitive,
+                longest,
+            });
         }
-        bounds
+        extent
     };
     #[cfg(feature = "parallel")]
-    if boxes.len() > TASK_PRIMITIVES {
+    if boxes.len() > LARGE {
         use rayon::prelude::*;
-        let parts = boxes
-            .par_chunks(TASK_PRIMITIVES)
-            .zip(primitives.par_chunks_mut(TASK_PRIMITIVES));
-        return parts
-            .enumerate()
-            .map(part)
-            .reduce(|| BoxLanes::EMPTY, |a, b| a.union(&b));
+        let parts = boxes.par_chunks(LARGE).zip(primitives.par_chunks_mut(LARGE));
+        return parts.enumerate().map(part).reduce(|| Extent::NONE, |a, b| a.join(&b));
     }
-    let parts = boxes
-        .chunks(TASK_PRIMITIVES)
-        .zip(primitives.chunks_mut(TASK_PRIMITIVES));
-    parts.enumerate().map(part).fold(BoxLanes::EMPTY, |a, b| a.union(&b))
-}
-
-/// A range of the list of nodes that is in use.
-#[derive(Clone, Copy, Debug)]
-struct Block {
-    first: usize,
-    count: usize,
-}
-
-/// Builds the tree of a job, in tasks; appends the blocks of nodes that they use, ascending.
-fn build_tasks(plan: &Plan, mut job: Job<'_>, blocks: &mut Vec<Block>) {
-    let mut bins = Box::new(Bins::EMPTY);
-    if job.primitives.len() <= TASK_PRIMITIVES {
-        let first = job.below_first as usize;
-        let count = build_subtree(plan, job, &mut bins);
-        blocks.push(Block { first, count });
-        return;
-    }
-    let Some(Split { left, bounds }) = split_one(plan, &mut job, &mut bins) else {
-        let count = job.primitives.len() as u32;
-        *job.node = BvhNode::leaf(job.bounds.aabb(), job.first, count);
-        for (reference, primitive) in job.references.iter_mut().zip(job.primitives.iter()) {
-            *reference = primitive.id();
-        }
-        return;
-    };
-    *job.node = BvhNode::inner(job.bounds.aabb(), job.below_first);
-    blocks.push(Block {
-        first: job.below_first as usize,
-        count: 2,
-    });
-    let (primitives, references) = (job.primitives.split_at_mut(left), job.references.split_at_mut(left));
-    let (pair, below) = job.below.split_at_mut(2);
-    let room = 2 * (left - 1);
-    let (nodes, below) = (pair.split_at_mut(1), below.split_at_mut(room));
-    let left_job = Job {
-        primitives: primitives.0,
-        references: references.0,
-        first: job.first,
-        node: &mut nodes.0[0],
-        below: below.0,
-        below_first: job.below_first + 2,
-        depth: job.depth + 1,
-        bounds: bounds[0],
-    };
-    let right_job = Job {
-        primitives: primitives.1,
-        references: references.1,
-        first: job.first + left as u32,
-        node: &mut nodes.1[0],
-        below: below.1,
-        below_first: job.below_first + 2 + room as u32,
-        depth: job.depth + 1,
-        bounds: bounds[1],
-    };
-    drop(bins);
-    let mut right_blocks = Vec::new();
-    #[cfg(feature = "parallel")]
-    rayon::join(
-        || build_tasks(plan, left_job, blocks),
-        || build_tasks(plan, right_job, &mut right_blocks),
-    );
-    #[cfg(not(feature = "parallel"))]
-    {
-        build_tasks(plan, left_job, blocks);
-        build_tasks(plan, right_job, &mut right_blocks);
-    }
-    blocks.append(&mut right_blocks);
-}
-
-/// Moves the blocks together.
-fn close_gaps(nodes: &mut Vec<BvhNode>, blocks: &[Block]) {
-    // Where each block will be.
-    let mut end = 0;
-    let moved: Vec<usize> = blocks
-        .iter()
-        .map(|block| {
-            let to = end;
-            end += block.count;
-            to
-        })
-        .collect();
-    for (number, (block, to)) in blocks.iter().zip(&moved).enumerate() {
-        let shift = block.first - to;
-        for place in 0..block.count {
-            let node = nodes[block.first + place];
-            nodes[to + place] = match node.content() {
-                BvhContent::Leaf { .. } => node,
-                BvhContent::Inner { left } if (left as usize) < block.first + block.count => {
-                    BvhNode::inner(node.bounds(), left - shift as u32)
-                }
-                BvhContent::Inner { left } => {
-                    // Children of a node that was parted alone begin a block.
-                    let child = number + blocks[number..].partition_point(|block| block.first < left as usize);
-                    BvhNode::inner(node.bounds(), moved[child] as u32)
-                }
-            };
-        }
-    }
-    nodes.truncate(end);
+    let parts = boxes.chunks(LARGE).zip(primitives.chunks_mut(LARGE));
+    parts.enumerate().map(part).fold(Extent::NONE, |a, b| a.join(&b))
 }

@@ -1,5 +1,6 @@
 use super::bvh::{BvhNode, BvhSettings, MAX_BVH_DEPTH};
 use super::bvh_bins::{BinCount, Bins};
+use super::bvh_extent::Extent;
 use super::bvh_primitive::BoxLanes;
 use super::bvh_split::{Split, halve, split};
 #[cfg(target_arch = "x86_64")]
@@ -27,14 +28,14 @@ pub(super) struct Job<'a> {
     /// Place of `below` among all.
     pub below_first: u32,
     pub depth: usize,
-    pub bounds: BoxLanes,
+    pub extent: Extent,
 }
 
 /// Parts one node; `None` when it becomes a leaf.
 pub(super) fn split_one(plan: &Plan, job: &mut Job<'_>, bins: &mut Bins) -> Option<Split> {
     #[inline(always)]
     fn body<S: Lanes>(simd: S, plan: &Plan, job: &mut Job<'_>, bins: &mut Bins) -> Option<Split> {
-        split_at_depth(simd, plan, job.primitives, &job.bounds, job.depth, bins)
+        split_at_depth(simd, plan, job.primitives, &job.extent.bounds, job.depth, bins)
     }
     #[cfg(target_arch = "x86_64")]
     if let (SimdLevel::Avx2, Some(simd)) = (plan.level, Avx2::new()) {
@@ -95,7 +96,7 @@ fn build_with<S: Lanes>(simd: S, plan: &Plan, job: Job<'_>, bins: &mut Bins) -> 
         below,
         below_first,
         depth,
-        bounds,
+        extent,
     } = job;
     let mut used = 0;
     let mut open = [Open::NONE; MAX_BVH_DEPTH + 1];
@@ -105,7 +106,7 @@ fn build_with<S: Lanes>(simd: S, plan: &Plan, job: Job<'_>, bins: &mut Bins) -> 
         begin: 0,
         end: primitives.len(),
         depth,
-        bounds,
+        bounds: extent.bounds,
     };
     loop {
         let own = &mut primitives[next.begin..next.end];

@@ -4,13 +4,19 @@
 //! frame, over the clusters' world boxes and over what moves freely. [`KdTree`] says what a tree promises and checks it,
 //! [`sah_cost`] says how good one is; [`Bvh`] does both for hierarchies. Builders over geometry take [`CheckedBoxes`].
 
+mod both;
 mod bvh;
 mod bvh_bins;
+mod bvh_eight;
+mod bvh_extent;
 mod bvh_few;
+mod bvh_large;
 mod bvh_primitive;
 mod bvh_split;
 mod bvh_streamed;
 mod bvh_subtree;
+#[cfg(feature = "parallel")]
+mod bvh_tasks;
 mod bvh_validate;
 mod checked_boxes;
 mod finite_box;

@@ -149,26 +149,47 @@ impl Lanes for Avx2 {
         // SAFETY: see above; 32 bytes each.
         unsafe {
             let counts = _mm256_cmp_ps::<_CMP_LE_OQ>(a, b);
-            let bits = _mm256_castps_si256(a);
-            let flipped = _mm256_srli_epi32::<1>(_mm256_srai_epi32::<31>(bits));
-            let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-            let keys = _mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_xor_si256(bits, flipped));
-            let keys = _mm256_or_si256(keys, lanes);
+            let keys = falling_keys(a);
             let least = _mm256_castsi256_ps(_mm256_set1_epi32(i32::MIN));
             let keys = _mm256_castps_si256(_mm256_blendv_ps(least, _mm256_castsi256_ps(keys), counts));
-            // Batcher's bitonic network: in each step, the greater of two goes to the lower lane.
-            let keys = exchange::<0b10_10_10_10>(keys, _mm256_shuffle_epi32::<0b10_11_00_01>(keys));
-            let keys = exchange::<0b11_00_11_00>(keys, _mm256_shuffle_epi32::<0b00_01_10_11>(keys));
-            let keys = exchange::<0b10_10_10_10>(keys, _mm256_shuffle_epi32::<0b10_11_00_01>(keys));
-            let reversed = _mm256_permutevar8x32_epi32(keys, _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0));
-            let keys = exchange::<0b11_11_00_00>(keys, reversed);
-            let keys = exchange::<0b11_00_11_00>(keys, _mm256_shuffle_epi32::<0b01_00_11_10>(keys));
-            let keys = exchange::<0b10_10_10_10>(keys, _mm256_shuffle_epi32::<0b10_11_00_01>(keys));
+            let keys = sorted(keys);
             // Of an index, three bits count.
             let tags = _mm256_permutevar8x32_epi32(_mm256_loadu_si256(tags.as_ptr().cast()), keys);
             _mm256_storeu_si256(to.1.as_mut_ptr().cast(), tags);
             _mm256_storeu_ps(to.0.as_mut_ptr(), _mm256_permutevar8x32_ps(a, keys));
             _popcnt32(_mm256_movemask_ps(counts)) as usize
+        }
+    }
+
+    #[inline(always)]
+    fn order8(self, a: __m256) -> __m256 {
+        // SAFETY: see above.
+        unsafe { _mm256_castsi256_ps(_mm256_and_si256(sorted(falling_keys(a)), _mm256_set1_epi32(7))) }
+    }
+
+    #[inline(always)]
+    fn permute8(self, a: __m256, order: __m256) -> __m256 {
+        // SAFETY: see above.
+        unsafe { _mm256_permutevar8x32_ps(a, _mm256_castps_si256(order)) }
+    }
+
+    #[inline(always)]
+    fn later8<const BY: usize>(self, a: __m256) -> __m256 {
+        let lane = |k: i32| if k < BY as i32 { k } else { k - BY as i32 };
+        // SAFETY: see above.
+        unsafe {
+            let order = _mm256_setr_epi32(lane(0), lane(1), lane(2), lane(3), lane(4), lane(5), lane(6), lane(7));
+            _mm256_permutevar8x32_ps(a, order)
+        }
+    }
+
+    #[inline(always)]
+    fn sooner8<const BY: usize>(self, a: __m256) -> __m256 {
+        let lane = |k: i32| if k + BY as i32 > 7 { k } else { k + BY as i32 };
+        // SAFETY: see above.
+        unsafe {
+            let order = _mm256_setr_epi32(lane(0), lane(1), lane(2), lane(3), lane(4), lane(5), lane(6), lane(7));
+            _mm256_permutevar8x32_ps(a, order)
         }
     }
 
@@ -342,23 +363,6 @@ impl Lanes for Avx2 {
         // SAFETY: see above.
         unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(a, b)) as u32 }
     }
-
-    #[inline(always)]
-    fn ranks8(self, keys: &[f32; 8], count: usize) -> [u8; 8] {
-        let mut ranks = [0; 8];
-        // SAFETY: see above.
-        unsafe {
-            let all = _mm256_loadu_ps(keys.as_ptr());
-            for i in 0..count {
-                let own = _mm256_set1_ps(keys[i]);
-                let less = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(all, own));
-                let equal = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_EQ_OQ>(all, own)) & ((1 << i) - 1);
-                let counted = (less | equal) & ((1 << count) - 1);
-                ranks[i] = _popcnt32(counted) as u8;
-            }
-        }
-        ranks
-    }
 }
 
 /// Lanes of `UPPER` from the lesser of two, the others from the greater.
@@ -372,5 +376,42 @@ unsafe fn exchange<const UPPER: i32>(a: __m256i, b: __m256i) -> __m256i {
     unsafe {
         let (least, greatest) = (_mm256_min_epi32(a, b), _mm256_max_epi32(a, b));
         _mm256_blend_epi32::<UPPER>(greatest, least)
+    }
+}
+
+/// Orders numbers as integers, by lanes where only the lowest three bits differ.
+///
+/// # Safety
+///
+/// The machine has AVX2.
+#[inline(always)]
+unsafe fn falling_keys(a: __m256) -> __m256i {
+    // SAFETY: as the caller's.
+    unsafe {
+        let bits = _mm256_castps_si256(a);
+        let flipped = _mm256_srli_epi32::<1>(_mm256_srai_epi32::<31>(bits));
+        let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+        let keys = _mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_xor_si256(bits, flipped));
+        _mm256_or_si256(keys, lanes)
+    }
+}
+
+/// The lanes, falling.
+///
+/// # Safety
+///
+/// The machine has AVX2.
+#[inline(always)]
+unsafe fn sorted(keys: __m256i) -> __m256i {
+    // SAFETY: as the caller's.
+    unsafe {
+        // Batcher's bitonic network: in each step, the greater of two goes to the lower lane.
+        let keys = exchange::<0b10_10_10_10>(keys, _mm256_shuffle_epi32::<0b10_11_00_01>(keys));
+        let keys = exchange::<0b11_00_11_00>(keys, _mm256_shuffle_epi32::<0b00_01_10_11>(keys));
+        let keys = exchange::<0b10_10_10_10>(keys, _mm256_shuffle_epi32::<0b10_11_00_01>(keys));
+        let reversed = _mm256_permutevar8x32_epi32(keys, _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0));
+        let keys = exchange::<0b11_11_00_00>(keys, reversed);
+        let keys = exchange::<0b11_00_11_00>(keys, _mm256_shuffle_epi32::<0b01_00_11_10>(keys));
+        exchange::<0b10_10_10_10>(keys, _mm256_shuffle_epi32::<0b10_11_00_01>(keys))
     }
 }

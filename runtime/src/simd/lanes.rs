@@ -34,6 +34,15 @@ pub(crate) trait Lanes: Copy {
     ///
     /// The lowest three bits of `a` do not count: of lanes that are equal but for them, later ones are written first.
     fn sort8(self, a: Self::F8, b: Self::F8, tags: &[u32; 8], to: (&mut [f32; 8], &mut [u32; 8])) -> usize;
+    /// The numbers of the lanes, as bits, so that what they hold falls. The lowest three bits do not count: of lanes that are
+    /// equal but for them, later ones come first.
+    fn order8(self, a: Self::F8) -> Self::F8;
+    /// Lane `i` is lane `order[i]` of `a`: of the bits, the lowest three count.
+    fn permute8(self, a: Self::F8, order: Self::F8) -> Self::F8;
+    /// Lane `i` is lane `i − BY` where there is one, else its own. `BY` is 1, 2 or 4.
+    fn later8<const BY: usize>(self, a: Self::F8) -> Self::F8;
+    /// Lane `i` is lane `i + BY` where there is one, else its own. `BY` is 1, 2 or 4.
+    fn sooner8<const BY: usize>(self, a: Self::F8) -> Self::F8;
     /// As `max8`, where lane 7 counts: its bits are those of `b`'s, plus one.
     fn max8_counting(self, a: Self::F8, b: Self::F8) -> Self::F8;
     /// Lanes 0 to 3 from the first, 4 to 7 from the second.
@@ -71,7 +80,4 @@ pub(crate) trait Lanes: Copy {
     fn max4_f64(self, a: Self::D4, b: Self::D4) -> Self::D4;
     /// As `lt8`.
     fn lt4_f64(self, a: Self::D4, b: Self::D4) -> u32;
-
-    /// For each lane below `count`, how many of these are less, or equal and before it.
-    fn ranks8(self, keys: &[f32; 8], count: usize) -> [u8; 8];
 }

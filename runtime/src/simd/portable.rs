@@ -90,9 +90,7 @@ impl Lanes for Portable {
         let mut count = 0;
         for k in 0..8 {
             if a[k] <= b[k] {
-                let bits = a[k].to_bits() as i32;
-                // The order of the numbers as one of integers.
-                let key = (bits ^ ((bits >> 31) as u32 >> 1) as i32) & !7 | k as i32;
+                let key = falling_key(a[k], k);
                 let mut at = count;
                 while at > 0 && keys[at - 1] < key {
                     keys[at] = keys[at - 1];
@@ -107,6 +105,28 @@ impl Lanes for Portable {
             (to.0[at], to.1[at]) = (a[lane], tags[lane]);
         }
         count
+    }
+
+    #[inline(always)]
+    fn order8(self, a: [f32; 8]) -> [f32; 8] {
+        let mut keys: [i32; 8] = std::array::from_fn(|k| falling_key(a[k], k));
+        keys.sort_unstable_by(|a, b| b.cmp(a));
+        keys.map(|key| f32::from_bits(key as u32 & 7))
+    }
+
+    #[inline(always)]
+    fn permute8(self, a: [f32; 8], order: [f32; 8]) -> [f32; 8] {
+        order.map(|lane| a[lane.to_bits() as usize & 7])
+    }
+
+    #[inline(always)]
+    fn later8<const BY: usize>(self, a: [f32; 8]) -> [f32; 8] {
+        std::array::from_fn(|k| a[if k < BY { k } else { k - BY }])
+    }
+
+    #[inline(always)]
+    fn sooner8<const BY: usize>(self, a: [f32; 8]) -> [f32; 8] {
+        std::array::from_fn(|k| a[if k + BY > 7 { k } else { k + BY }])
     }
 
     #[inline(always)]
@@ -240,15 +260,11 @@ impl Lanes for Portable {
     fn lt4_f64(self, a: [f64; 4], b: [f64; 4]) -> u32 {
         (0..4).fold(0, |bits, k| bits | u32::from(a[k] < b[k]) << k)
     }
+}
 
-    #[inline(always)]
-    fn ranks8(self, keys: &[f32; 8], count: usize) -> [u8; 8] {
-        let mut ranks = [0; 8];
-        for i in 0..count {
-            for j in 0..count {
-                ranks[i] += u8::from(keys[j] < keys[i] || j < i && keys[j] == keys[i]);
-            }
-        }
-        ranks
-    }
+/// Orders numbers as integers, by lanes where only the lowest three bits differ.
+#[inline(always)]
+fn falling_key(a: f32, lane: usize) -> i32 {
+    let bits = a.to_bits() as i32;
+    (bits ^ ((bits >> 31) as u32 >> 1) as i32) & !7 | lane as i32
 }

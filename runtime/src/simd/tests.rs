@@ -73,8 +73,21 @@ fn everything<S: Lanes>(simd: S, a: &[f32; 8], b: &[f32; 8]) -> Vec<u32> {
         out.extend(simd.store4(simd.to_f32(rest)).map(bits));
     }
     out.push(simd.lt4_f64(x, y));
-    for count in 1..=8 {
-        out.extend(simd.ranks8(a, count)[..count].iter().map(|rank| u32::from(*rank)));
+    for order in [wide_a, wide_b].map(|keys| simd.order8(keys)) {
+        let moved = [
+            simd.permute8(wide_a, order),
+            simd.later8::<1>(order),
+            simd.later8::<2>(wide_a),
+            simd.later8::<4>(wide_b),
+            simd.sooner8::<1>(wide_a),
+            simd.sooner8::<2>(wide_b),
+            simd.sooner8::<4>(order),
+        ];
+        for vector in moved {
+            let mut eight = [0.0; 8];
+            simd.store8(vector, &mut eight);
+            out.extend(eight.map(bits));
+        }
     }
     let small = simd.load4(&[a[0], a[1], a[2], a[3]].map(|x| if x.abs() < 1e9 { x } else { 1.5 }));
     out.extend(simd.truncate4(small).map(|x| x as u32));
@@ -114,9 +127,27 @@ fn instruction_sets_agree_on_every_operation() {
 }
 
 #[test]
-fn ranks_sort_and_keep_the_order_of_equals() {
-    let keys = [3.0, 1.0, 3.0, -2.0, 1.0, 9.0, 0.0, 0.0];
-    assert_eq!(Portable.ranks8(&keys, 6), [3, 1, 4, 0, 2, 5, 0, 0]);
+fn lanes_are_ordered_permuted_and_moved_by_definition() {
+    let a = [
+        3.0,
+        1.0,
+        3.0f32.next_up(),
+        -2.0,
+        1.0,
+        9.0,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+    ];
+    let order = Portable.order8(a);
+    assert_eq!(order.map(f32::to_bits), [6, 5, 2, 0, 4, 1, 3, 7]);
+    let names = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+    assert_eq!(
+        Portable.permute8(names, order),
+        [6.0, 5.0, 2.0, 0.0, 4.0, 1.0, 3.0, 7.0]
+    );
+    assert_eq!(Portable.later8::<1>(names), [0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+    assert_eq!(Portable.later8::<4>(names), [0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0]);
+    assert_eq!(Portable.sooner8::<2>(names), [2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 6.0, 7.0]);
     assert_eq!(Portable.pair_products([2.0, 3.0, 5.0, 100.0]), 6.0 + 15.0 + 10.0);
 }
 

@@ -1,5 +1,6 @@
-//! Tests of the kd-tree builder from outside: what a tree promises, over families of boxes.
+//! Tests of the builders: what trees promise, over families of boxes.
 
+mod borders;
 mod families;
 mod faults;
 mod hand_cases;
