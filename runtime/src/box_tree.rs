@@ -87,10 +87,21 @@ impl Hierarchy for BoxTree {
 }
 
 /// The box around a triangle; empty where a corner overflowed: that one has no place and hits nothing.
-pub(crate) fn triangle_box(corners: [[f32; 3]; 3]) -> Aabb {
-    if corners.as_flattened().iter().all(|x| x.is_finite()) {
-        Aabb::around(corners)
-    } else {
-        Aabb::EMPTY
+#[inline]
+pub(crate) fn triangle_box([a, b, c]: [[f32; 3]; 3]) -> Aabb {
+    let mut bounds = Aabb { min: a, max: a };
+    // A number less itself is zero where it is finite, and else no number.
+    let mut differences = 0.0;
+    for k in 0..3 {
+        bounds.min[k] = least(a[k], least(b[k], c[k]));
+        bounds.max[k] = -least(-a[k], least(-b[k], -c[k]));
+        differences += (a[k] - a[k]) + (b[k] - b[k]) + (c[k] - c[k]);
     }
+    if differences == 0.0 { bounds } else { Aabb::EMPTY }
+}
+
+/// Of numbers that compare; [`f32::min`] has to find out.
+#[inline]
+fn least(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }

@@ -24,18 +24,21 @@ impl Aabb {
     };
 
     /// The smallest box around `points`; [`Aabb::EMPTY`] for none.
+    #[inline]
     #[must_use]
     pub fn around(points: impl IntoIterator<Item = [f32; 3]>) -> Self {
         points.into_iter().fold(Self::EMPTY, Self::with_point)
     }
 
     /// This box, grown just enough to contain `point`.
+    #[inline]
     #[must_use]
     pub fn with_point(self, point: [f32; 3]) -> Self {
         self.union(Self { min: point, max: point })
     }
 
     /// The smallest box around both.
+    #[inline]
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         let mut out = self;
@@ -47,30 +50,35 @@ impl Aabb {
     }
 
     /// True when it contains no point.
+    #[inline]
     #[must_use]
     pub fn is_empty(&self) -> bool {
         (0..3).any(|k| self.min[k] > self.max[k])
     }
 
     /// True when both boxes share a point; touching counts.
+    #[inline]
     #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
         (0..3).all(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
     }
 
     /// True when `point` lies inside or on the surface.
+    #[inline]
     #[must_use]
     pub fn contains(&self, point: [f32; 3]) -> bool {
         (0..3).all(|k| self.min[k] <= point[k] && point[k] <= self.max[k])
     }
 
     /// True when the whole of `other` lies inside; an empty box lies inside every box.
+    #[inline]
     #[must_use]
     pub fn contains_box(&self, other: &Self) -> bool {
         other.is_empty() || (0..3).all(|k| self.min[k] <= other.min[k] && other.max[k] <= self.max[k])
     }
 
     /// Surface area in `f64`: no overflow for any finite box. Zero when empty.
+    #[inline]
     #[must_use]
     pub fn surface_area(&self) -> f64 {
         if self.is_empty() {
@@ -81,6 +89,7 @@ impl Aabb {
     }
 
     /// Midpoint, rounded to nearest. Does not overflow.
+    #[inline]
     #[must_use]
     pub fn center(&self) -> [f32; 3] {
         std::array::from_fn(|k| 0.5 * self.min[k] + 0.5 * self.max[k])
