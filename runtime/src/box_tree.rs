@@ -61,9 +61,14 @@ impl BoxTree {
         self.tree.bounds()
     }
 
-    /// Appends a wide tree over the same ids. One without any becomes a root without children.
-    pub(crate) fn collapse(&self, nodes: &mut Vec<WideNode>) {
-        collapse(&self.tree, &self.boxes, |place| self.ids[place as usize], nodes);
+    /// How many are in it.
+    pub(crate) fn len(&self) -> usize {
+        self.boxes.len()
+    }
+
+    /// Appends a wide tree over the same ids; where its root is. One without any becomes a root without children.
+    pub(crate) fn collapse(&self, nodes: &mut Vec<WideNode>) -> u32 {
+        collapse(&self.tree, &self.boxes, |place| self.ids[place as usize], nodes)
     }
 
     /// What is in a leaf, by its range of references.
@@ -90,14 +95,14 @@ impl Hierarchy for BoxTree {
 #[inline]
 pub(crate) fn triangle_box([a, b, c]: [[f32; 3]; 3]) -> Aabb {
     let mut bounds = Aabb { min: a, max: a };
-    // A number less itself is zero where it is finite, and else no number.
-    let mut differences = 0.0;
+    // A number times zero is zero where it is finite, and else no number.
+    let mut zero = 0.0;
     for k in 0..3 {
         bounds.min[k] = least(a[k], least(b[k], c[k]));
         bounds.max[k] = -least(-a[k], least(-b[k], -c[k]));
-        differences += (a[k] - a[k]) + (b[k] - b[k]) + (c[k] - c[k]);
+        zero += a[k] * 0.0 + b[k] * 0.0 + c[k] * 0.0;
     }
-    if differences == 0.0 { bounds } else { Aabb::EMPTY }
+    if zero == 0.0 { bounds } else { Aabb::EMPTY }
 }
 
 /// Of numbers that compare; [`f32::min`] has to find out.

@@ -1,8 +1,10 @@
 use crate::{
-    Affine, PoseError,
+    Aabb, Affine, PoseError,
     box_tree::{BoxTree, triangle_box},
-    build::BvhSettings,
+    posed_mesh::PosedMesh,
+    posed_tree::PosedTree,
 };
+use restpose_formats::rows::TriangleRow;
 
 /// Vertices that one task poses.
 #[cfg(feature = "parallel")]
@@ -13,10 +15,10 @@ const VERTICES_PER_TASK: usize = 4096;
 pub(crate) struct GeometryInstance {
     transform: Affine,
     positions: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
+    triangles: Vec<TriangleRow>,
     /// World space, as of the last commit.
     posed: Vec<[f32; 3]>,
-    tree: BoxTree,
+    tree: PosedTree,
     is_changed: bool,
 }
 
@@ -50,7 +52,8 @@ impl GeometryInstance {
         self.positions.clear();
         self.positions.extend_from_slice(positions);
         self.triangles.clear();
-        self.triangles.extend_from_slice(triangles);
+        self.triangles
+            .extend(triangles.iter().map(|corners| TriangleRow { corners: *corners }));
         self.is_changed = true;
         Ok(())
     }
@@ -77,17 +80,37 @@ impl GeometryInstance {
             self.posed.extend(self.positions.iter().map(pose));
         }
         let (posed, triangles) = (&self.posed, &self.triangles);
-        let corners = |triangle: u32| triangles[triangle as usize].map(|corner| posed[corner as usize]);
+        let corners = |triangle: u32| {
+            triangles[triangle as usize]
+                .corners
+                .map(|corner| posed[corner as usize])
+        };
         let bound = |triangle| triangle_box(corners(triangle));
-        self.tree
-            .rebuild(0..triangles.len() as u32, bound, &BvhSettings::default());
+        self.tree.rebuild(0..triangles.len() as u32, bound);
     }
 
-    pub(crate) fn tree(&self) -> &BoxTree {
-        &self.tree
+    /// Its triangles as of the last commit, for so many rays, if the wide tree over them pays.
+    #[inline]
+    pub(crate) fn mesh_for(&self, rays: u32) -> Option<PosedMesh<'_>> {
+        let nodes = self.tree.wide_for(rays)?;
+        Some(PosedMesh {
+            nodes,
+            triangles: &self.triangles,
+            positions: &self.posed,
+        })
     }
 
-    pub(crate) fn triangles(&self) -> &[[u32; 3]] {
+    /// The other tree over them.
+    pub(crate) fn binary_tree(&self) -> &BoxTree {
+        self.tree.binary()
+    }
+
+    /// Box around everything; empty where there is nothing.
+    pub(crate) fn bounds(&self) -> Aabb {
+        self.tree.bounds()
+    }
+
+    pub(crate) fn triangles(&self) -> &[TriangleRow] {
         &self.triangles
     }
 
@@ -109,6 +132,8 @@ impl GeometryInstance {
     /// World space.
     #[inline]
     pub(crate) fn posed_triangle(&self, triangle: u32) -> [[f32; 3]; 3] {
-        self.triangles[triangle as usize].map(|corner| self.posed[corner as usize])
+        self.triangles[triangle as usize]
+            .corners
+            .map(|corner| self.posed[corner as usize])
     }
 }

@@ -27,7 +27,7 @@ impl Instance {
     pub(crate) fn bounds(&self) -> Aabb {
         match self {
             Self::Asset(instance) => *instance.bounds(),
-            Self::Geometry(instance) => instance.tree().bounds(),
+            Self::Geometry(instance) => instance.bounds(),
         }
     }
 

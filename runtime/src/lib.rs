@@ -73,6 +73,8 @@ mod pose;
 mod pose_space;
 mod posed_bounds;
 mod posed_maps;
+mod posed_mesh;
+mod posed_tree;
 mod posing;
 mod prepared;
 mod ray;

@@ -59,8 +59,9 @@ impl FrameStats {
     }
 }
 
-/// What rays cost. Counted only where asked for; sums over rays. In poses outside their pose space they depend on the rays
-/// that came before in the frame, since a cluster is refitted once enough have entered it; hits do not.
+/// What rays cost. Counted only where asked for; sums over rays. In poses outside their pose space, in free motion and in supplied
+/// geometry they depend on the rays that came before, since a cluster is refitted and a wide tree made once enough have
+/// entered; hits do not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TraceCounters {
     /// Rays traced.

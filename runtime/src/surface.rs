@@ -60,7 +60,9 @@ impl SurfacePoint {
 
     fn of_geometry(hit: &Hit, instance: &GeometryInstance) -> Self {
         let corners = instance.posed_triangle(hit.triangle);
-        let given = instance.triangles()[hit.triangle as usize].map(|corner| instance.position(corner));
+        let given = instance.triangles()[hit.triangle as usize]
+            .corners
+            .map(|corner| instance.position(corner));
         Self {
             part: NONE,
             source_node: NONE,

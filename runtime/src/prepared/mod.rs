@@ -19,14 +19,14 @@ pub(crate) use whole::Whole;
 use crate::simd::Avx2;
 use crate::{
     Aabb, Affine, Asset, Pose, PoseEvaluator,
-    box_tree::{BoxTree, triangle_box},
-    build::BvhSettings,
+    box_tree::triangle_box,
     cache::CacheState,
-    cluster_frame::{Map64, PosedMap},
+    cluster_frame::{Map64, PosedMap, Way},
     excess::Motions,
     motion_bounds::widened_for_motion,
     posed_bounds::morph_extent,
     posed_maps::posed_maps,
+    posed_tree::PosedTree,
     posing::{BundleWork, Demand, PosingLimits},
     rest_boxes::{BoneImages, cluster_bounds},
     set_bits::set_bits,
@@ -67,7 +67,7 @@ pub(crate) struct Prepared {
     /// Over the clusters, by their place in `clusters`.
     pub top_level: TopLevel,
     /// Trees over posed triangles, of clusters in free motion.
-    pub trees: Vec<BoxTree>,
+    pub trees: Vec<PosedTree>,
     limits: PosingLimits,
     /// The row of clip bounds, of a stretch of a clip as a rule, that it is a pose of.
     pub clip_bounds_row: Option<usize>,
@@ -213,15 +213,23 @@ impl Prepared {
     /// Builds the tree at `place` over a cluster's posed triangles. The place.
     fn build_tree(&mut self, asset: &Asset, cache: u32, cluster: &ClusterRow, place: usize) -> usize {
         if self.trees.len() == place {
-            self.trees.push(BoxTree::default());
+            self.trees.push(PosedTree::default());
         }
         let mut tree = std::mem::take(&mut self.trees[place]);
         let model = asset.model();
         let triangles = asset.cluster_triangles(cluster);
         let bound = |triangle| triangle_box(self.recomputed_triangle(model, cache, triangle));
-        tree.rebuild(triangles, bound, &BvhSettings::default());
+        tree.rebuild(triangles, bound);
         self.trees[place] = tree;
         place
+    }
+
+    /// The tree over the posed triangles of a cluster in free motion.
+    pub(crate) fn tree_of(&self, cluster: &ClusterState) -> Option<&PosedTree> {
+        match cluster.posed_so_far()?.frame.way {
+            Way::Posed(tree) => Some(&self.trees[tree as usize]),
+            _ => None,
+        }
     }
 
     /// Contains every posed vertex that some triangle with area uses.

@@ -1,10 +1,11 @@
 use super::Prepared;
 use crate::{
     Asset,
+    posed_mesh::PosedMesh,
     simd::SimdLevel,
     wide::{WideNode, append_rows, refit_triangles},
 };
-use restpose_formats::{TreeKind, rows::WideChild};
+use restpose_formats::{ModelView, TreeKind, rows::WideChild};
 
 /// An instance of which every vertex was posed, and a tree over its posed triangles: the topology of its top level and of
 /// its fuzzy trees, joined, with the boxes of this pose.
@@ -12,12 +13,13 @@ use restpose_formats::{TreeKind, rows::WideChild};
 pub(crate) struct Whole {
     /// World space, per vertex row.
     pub positions: Vec<[f32; 3]>,
-    /// Leaves are triangle rows. Empty where the file has kd-trees, which are refitted one by one, and where parts are in
-    /// free motion, whose trees are over posed triangles anyway.
+    /// Leaves are triangle rows. Empty where the file has kd-trees, which are refitted one by one.
     pub nodes: Vec<WideNode>,
     /// Cluster rows whose trees `nodes` holds, and where each has its root. Before these trees stand as many nodes as there are
     /// clusters, for the tree above them.
     clusters: Vec<(u32, u32)>,
+    /// Whether trees of clusters in free motion are among them, whose topologies are of one pose.
+    is_of_one_pose: bool,
 }
 
 impl Whole {
@@ -25,7 +27,7 @@ impl Whole {
     pub(super) fn pose(&mut self, prepared: &Prepared, asset: &Asset) {
         prepared.pose_all(asset, &mut self.positions);
         let model = asset.model();
-        if model.meta.tree != TreeKind::Wide || !prepared.trees.is_empty() {
+        if model.meta.tree != TreeKind::Wide {
             self.nodes.clear();
             self.clusters.clear();
             return;
@@ -34,16 +36,31 @@ impl Whole {
         refit_triangles(SimdLevel::detect(), &mut self.nodes, model.triangles, &self.positions);
     }
 
+    /// The model's triangles as they are posed. The tree must not be empty.
+    pub(crate) fn mesh<'a>(&'a self, model: &ModelView<'a>) -> PosedMesh<'a> {
+        PosedMesh {
+            nodes: &self.nodes,
+            triangles: model.triangles,
+            positions: &self.positions,
+        }
+    }
+
     /// Joins the topologies: those of the clusters, where other ones were joined last time, and the one above them, which in an
     /// asset with vertex caches is another in each pose.
     fn join(&mut self, prepared: &Prepared, asset: &Asset) {
         let rows = prepared.clusters.iter().map(|cluster| cluster.row);
-        if !rows.clone().eq(self.clusters.iter().map(|(row, _)| *row)) {
+        if self.is_of_one_pose || !rows.clone().eq(self.clusters.iter().map(|(row, _)| *row)) {
             self.clusters.clear();
             self.nodes.clear();
             self.nodes.resize(rows.len(), WideNode::EMPTY);
-            for row in rows {
-                let root = append_rows(&mut self.nodes, asset.wide_nodes(row), WideChild::Leaf);
+            self.is_of_one_pose = false;
+            for (row, cluster) in rows.zip(&prepared.clusters) {
+                let root = if let Some(tree) = prepared.tree_of(cluster) {
+                    self.is_of_one_pose = true;
+                    tree.append(&mut self.nodes)
+                } else {
+                    append_rows(&mut self.nodes, asset.wide_nodes(row), WideChild::Leaf)
+                };
                 self.clusters.push((row, root));
             }
         }

@@ -39,7 +39,7 @@ pub(super) fn pass_cluster<const ANY: bool, C: Count>(
         traveller.test(&corners, id, triangle) && ANY
     };
     if let Way::Posed(tree) = &posed.frame.way {
-        let tree = &prepared.trees[*tree as usize];
+        let tree = prepared.trees[*tree as usize].binary();
         return walk_posed(tree, start, traveller, stack, counters, &mut test);
     }
     let nodes = &model.kd_nodes[row.node_first as usize..][..row.node_count as usize];
@@ -96,7 +96,7 @@ pub(super) fn pass_geometry<const ANY: bool, C: Count>(
         Count::triangle(counters);
         traveller.test(&geometry.posed_triangle(triangle), id, triangle) && ANY
     };
-    walk_posed(geometry.tree(), start, traveller, stack, counters, &mut test)
+    walk_posed(geometry.binary_tree(), start, traveller, stack, counters, &mut test)
 }
 
 /// Traverses a tree over posed triangles; `test` says whether the search is over.

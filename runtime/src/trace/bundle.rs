@@ -9,12 +9,11 @@ use super::{
 use crate::{
     Hit, InstanceId, Ray,
     instance::Instance,
-    prepared::Whole,
+    posed_mesh::PosedMesh,
     scene::Scene,
     set_bits::set_bits,
     wide::{Bundled, GROUP, GroupHits, PACKET, Part, WideStack, walk_together},
 };
-use restpose_formats::rows::TriangleRow;
 
 /// Rays on their way together.
 pub(super) struct Bundle<'a> {
@@ -43,12 +42,12 @@ impl Bundle<'_> {
         let Some(instance) = scene.in_slot(index) else {
             return;
         };
-        if let Instance::Asset(instance) = instance {
+        let id = scene.id(index);
+        let is_done = if let Instance::Asset(instance) = instance {
             let (asset, prepared) = (instance.asset(), instance.prepared());
-            let id = scene.id(index);
-            let is_done = match prepared.enter(instance.pool()) {
+            match prepared.enter(instance.pool()) {
                 Some(whole) if !whole.nodes.is_empty() => {
-                    let is_done = self.enter_whole::<ANY>((id, whole, asset.model().triangles), bundled, room);
+                    let is_done = self.enter_whole::<ANY>(id, whole.mesh(asset.model()), bundled, room);
                     if is_done {
                         prepared.count_whole(groups.count_ones() * GROUP as u32);
                     }
@@ -59,10 +58,16 @@ impl Bundle<'_> {
                     let actor = Actor { id, asset, prepared };
                     self.enter_clusters::<ANY>((actor, index), groups, bundled, room, context)
                 }
-            };
-            if is_done {
-                return;
             }
+        } else if let Instance::Geometry(geometry) = instance
+            && let Some(mesh) = geometry.mesh_for(groups.count_ones() * GROUP as u32)
+        {
+            self.enter_whole::<ANY>(id, mesh, bundled, room)
+        } else {
+            false
+        };
+        if is_done {
+            return;
         }
         let places = bundled.meeting(scene.simd, groups, &instance.bounds());
         let inside = Inside::All;
@@ -126,17 +131,18 @@ impl Bundle<'_> {
         }
     }
 
-    /// False where the rays must go one by one. The whole is an instance's, and its tree is not empty.
+    /// False where the rays must go one by one.
     fn enter_whole<const ANY: bool>(
         &mut self,
-        (id, whole, triangles): (InstanceId, &Whole, &[TriangleRow]),
+        id: InstanceId,
+        mesh: PosedMesh,
         bundled: &mut Bundled,
         room: &mut InsideRoom,
     ) -> bool {
-        if !bundled.is_narrow(&whole.nodes[0].around(), whole.nodes.len()) {
+        if !bundled.is_narrow(&mesh.nodes[0].around(), mesh.nodes.len()) {
             return false;
         }
-        let Some(together) = bundled.in_world(&whole.nodes) else {
+        let Some(together) = bundled.in_world(mesh.nodes) else {
             return false;
         };
         let level = self.scene.simd;
@@ -146,17 +152,17 @@ impl Bundle<'_> {
             whole_rays,
             ..
         } = room;
-        let mut tree = WholeTree::new(id, whole, triangles, whole_rays);
+        let mut tree = WholeTree::new(id, mesh, whole_rays);
         let mut visit = |part: Part, bundled: &mut Bundled| {
             match part {
-                Part::Leaf { leaf, groups } => self.test::<ANY>(id, leaf, &tree.corners(leaf), groups, bundled),
+                Part::Leaf { leaf, groups } => self.test::<ANY>(id, leaf, &mesh.corners(leaf), groups, bundled),
                 Part::Alone { node, places } => {
                     self.alone_below::<ANY>(&mut tree, node, places, bundled, lone_stack);
                 }
             }
             bundled.is_over()
         };
-        walk_together(level, &mut &whole.nodes[..], &together, bundled, stack, &mut visit);
+        walk_together(level, &mut &mesh.nodes[..], &together, bundled, stack, &mut visit);
         true
     }
 

@@ -178,6 +178,10 @@ fn enter_instance<'a, const ANY: bool, S: Lanes, C: Count>(
     match scene.in_slot(index) {
         None => false,
         Some(Instance::Geometry(geometry)) => {
+            if let Some(mesh) = geometry.mesh_for(1) {
+                flight.enter_geometry(id, mesh);
+                return false;
+            }
             let stack = &mut context.cluster.binary;
             pass_geometry::<ANY, C>(geometry, id, flight.start, &mut flight.traveller, stack, counters)
         }

@@ -2,17 +2,15 @@ use super::{lone_rays::LoneTree, traveller::Traveller};
 use crate::{
     Aabb, InstanceId,
     cluster_frame::SlabRay,
-    prepared::Whole,
+    posed_mesh::PosedMesh,
     simd::Lanes,
     wide::{PACKET, WideNode, WideRay},
 };
-use restpose_formats::rows::TriangleRow;
 
-/// The tree over all posed triangles of an instance.
+/// The tree over all triangles of an instance.
 pub(super) struct WholeTree<'a> {
     id: InstanceId,
-    whole: &'a Whole,
-    triangles: &'a [TriangleRow],
+    mesh: PosedMesh<'a>,
     bounds: Aabb,
     /// By their places in the packet, ready for this tree where `ready` has a bit.
     rays: &'a mut [WideRay; PACKET],
@@ -20,28 +18,15 @@ pub(super) struct WholeTree<'a> {
 }
 
 impl<'a> WholeTree<'a> {
-    /// The whole's tree is not empty; `rays` is room for those that part.
-    pub(super) fn new(
-        id: InstanceId,
-        whole: &'a Whole,
-        triangles: &'a [TriangleRow],
-        rays: &'a mut [WideRay; PACKET],
-    ) -> Self {
+    /// `rays` is room for those that part.
+    pub(super) fn new(id: InstanceId, mesh: PosedMesh<'a>, rays: &'a mut [WideRay; PACKET]) -> Self {
         Self {
             id,
-            whole,
-            triangles,
-            bounds: whole.nodes[0].around(),
+            mesh,
+            bounds: mesh.nodes[0].around(),
             rays,
             ready: 0,
         }
-    }
-
-    #[inline(always)]
-    pub(super) fn corners(&self, triangle: u32) -> [[f32; 3]; 3] {
-        let [a, b, c] = self.triangles[triangle as usize].corners;
-        let positions = &self.whole.positions;
-        [positions[a as usize], positions[b as usize], positions[c as usize]]
     }
 }
 
@@ -55,7 +40,7 @@ impl LoneTree for WholeTree<'_> {
 
     #[inline(always)]
     fn nodes(&self) -> &[WideNode] {
-        &self.whole.nodes
+        self.mesh.nodes
     }
 
     #[inline(always)]
@@ -70,6 +55,6 @@ impl LoneTree for WholeTree<'_> {
 
     #[inline(always)]
     fn corners<S: Lanes>(&self, _simd: S, triangle: u32) -> [[f32; 3]; 3] {
-        self.corners(triangle)
+        self.mesh.corners(triangle)
     }
 }

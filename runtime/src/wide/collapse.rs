@@ -1,144 +1,244 @@
-use super::WideNode;
+#[cfg(feature = "parallel")]
+use super::append_nodes;
+use super::{WideNode, stack::MOST_NODES};
 use crate::{
     Aabb,
     build::{Bvh, BvhContent},
 };
-use restpose_formats::rows::{NONE, WideChild};
+use restpose_formats::rows::WideChild;
 
-/// Part of a binary tree that is to stand in one place.
+/// Trees with more references are collapsed in tasks, below the third level.
+#[cfg(feature = "parallel")]
+const TASK_REFERENCES: usize = 4096;
+
+/// Part of a binary tree that is to be a node, and where it is a child.
 #[derive(Clone, Copy)]
-struct Part {
-    bounds: Aabb,
-    area: f64,
+struct Pending {
     content: BvhContent,
+    parent: u32,
+    place: u32,
 }
 
-impl Part {
+impl Pending {
     const NONE: Self = Self {
-        bounds: Aabb::EMPTY,
-        area: 0.0,
         content: BvhContent::Leaf { first: 0, count: 0 },
+        parent: 0,
+        place: 0,
     };
+}
 
-    fn new(bounds: Aabb, content: BvhContent) -> Self {
-        Self {
-            bounds,
-            area: bounds.surface_area(),
-            content,
+/// A binary tree, the boxes that it was built over, and what its references are called.
+struct Source<'a, F> {
+    bvh: &'a Bvh,
+    boxes: &'a [Aabb],
+    leaf: F,
+}
+
+/// Appends a wide tree to `nodes` that has a leaf for each reference of `bvh`, called what `leaf` makes of it, and returns
+/// the index of its root. A tree without nodes becomes a root without children.
+///
+/// `boxes` are those that the tree was built over. Each node opens the part with the largest area until it has eight. Nodes stand
+/// depth first, which keeps near in memory what is near in space; those of large trees only below the third level.
+///
+/// Based on: Wald, Benthin and Boulos, *Getting Rid of Packets*, 2008, §3.1 (collapsing by surface area).
+pub(crate) fn collapse(bvh: &Bvh, boxes: &[Aabb], leaf: impl Fn(u32) -> u32 + Sync, nodes: &mut Vec<WideNode>) -> u32 {
+    let root = nodes.len() as u32;
+    let source = Source { bvh, boxes, leaf };
+    let Some(top) = bvh.nodes.first() else {
+        nodes.push(WideNode::EMPTY);
+        return root;
+    };
+    #[cfg(feature = "parallel")]
+    if bvh.references.len() > TASK_REFERENCES {
+        source.collapse_in_tasks(top.content(), nodes);
+        return root;
+    }
+    source.collapse_below(top.content(), nodes);
+    root
+}
+
+impl<F: Fn(u32) -> u32> Source<'_, F> {
+    /// Appends a part's tree.
+    fn collapse_below(&self, content: BvhContent, nodes: &mut Vec<WideNode>) {
+        let root = nodes.len();
+        // Each node on the way down leaves seven parts behind.
+        let mut pending = [Pending::NONE; 7 * MOST_NODES + 1];
+        pending[0].content = content;
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let own = pending[count];
+            let at = nodes.len();
+            if at > root {
+                nodes[own.parent as usize].children[own.place as usize] = WideChild::Node(at as u32).pack();
+            }
+            nodes.push(self.node(own.content, |place, content| {
+                pending[count] = Pending {
+                    content,
+                    parent: at as u32,
+                    place,
+                };
+                count += 1;
+            }));
         }
     }
 
-    fn can_open(&self) -> bool {
-        !matches!(self.content, BvhContent::Leaf { count: 0 | 1, .. })
+    /// The node of a part; `inner` is told which places are to be nodes.
+    #[inline]
+    fn node(&self, content: BvhContent, mut inner: impl FnMut(u32, BvhContent)) -> WideNode {
+        let mut node = WideNode::EMPTY;
+        let parts = self.open(content);
+        // The first part is the next node, as in the binary tree.
+        for place in (0..parts.count).rev() {
+            node.set_bounds(place, &parts.bounds[place]);
+            match parts.contents[place] {
+                BvhContent::Leaf { first, count: 1 } => {
+                    let reference = self.bvh.references[first as usize];
+                    node.children[place] = WideChild::Leaf((self.leaf)(reference)).pack();
+                }
+                content => inner(place as u32, content),
+            }
+        }
+        node
     }
 
-    /// Its two halves: the children of an inner node, or the halves of a leaf's references.
-    fn halves(&self, bvh: &Bvh, boxes: &[Aabb]) -> [Self; 2] {
-        match self.content {
-            BvhContent::Inner { left } => [left, left + 1].map(|child| {
-                let node = &bvh.nodes[child as usize];
-                Self::new(node.bounds(), node.content())
-            }),
+    /// The parts of a node.
+    #[inline]
+    fn open(&self, content: BvhContent) -> Parts {
+        let mut parts = Parts::NONE;
+        match content {
+            // The box of a single reference is its own; that of a part which is opened does not matter.
+            BvhContent::Leaf { first, count: 1 } => {
+                let reference = self.bvh.references[first as usize];
+                parts.set(0, self.boxes[reference as usize], content);
+            }
+            _ => parts.set(0, Aabb::EVERYTHING, content),
+        }
+        parts.count = 1;
+        while parts.count < 8
+            && let Some(largest) = parts.largest()
+        {
+            let [(a, one), (b, other)] = self.halves(parts.contents[largest]);
+            parts.set(largest, a, one);
+            parts.set(parts.count, b, other);
+            parts.count += 1;
+        }
+        parts
+    }
+
+    /// The two halves of a part with more than one reference: the children of an inner node, or the halves of a leaf's
+    /// references.
+    #[inline]
+    fn halves(&self, content: BvhContent) -> [(Aabb, BvhContent); 2] {
+        match content {
+            BvhContent::Inner { left } => {
+                let [a, b] = [left, left + 1].map(|child| &self.bvh.nodes[child as usize]);
+                [(a.bounds(), a.content()), (b.bounds(), b.content())]
+            }
             BvhContent::Leaf { first, count } => {
                 let half = count / 2;
                 [(first, half), (first + half, count - half)].map(|(first, count)| {
-                    let references = &bvh.references[first as usize..][..count as usize];
-                    let bounds = references
-                        .iter()
-                        .fold(Aabb::EMPTY, |union, reference| union.union(boxes[*reference as usize]));
-                    Self::new(bounds, BvhContent::Leaf { first, count })
+                    let references = &self.bvh.references[first as usize..][..count as usize];
+                    let own = |reference: &u32| self.boxes[*reference as usize];
+                    let bounds = match references {
+                        [reference] => own(reference),
+                        _ => references.iter().map(own).fold(Aabb::EMPTY, Aabb::union),
+                    };
+                    (bounds, BvhContent::Leaf { first, count })
                 })
             }
         }
     }
 }
 
-/// Appends a wide tree to `nodes` that has a leaf for each reference of `bvh`, called what `leaf` makes of it, and returns
-/// the index of its root. A tree without nodes becomes a root without children.
-///
-/// `boxes` are those that the tree was built over. Each node opens the part with the largest area until it has eight.
-///
-/// Based on: Wald, Benthin and Boulos, *Getting Rid of Packets*, 2008, §3.1 (collapsing by surface area).
-pub(crate) fn collapse(bvh: &Bvh, boxes: &[Aabb], leaf: impl Fn(u32) -> u32, nodes: &mut Vec<WideNode>) -> u32 {
-    let root = nodes.len() as u32;
-    let Some(top) = bvh.nodes.first() else {
-        nodes.push(WideNode::EMPTY);
-        return root;
-    };
-    nodes.push(promised(top.content(), NONE));
-    let mut next = root;
-    while next != NONE {
-        let (content, before) = promise(&nodes[next as usize]);
-        let (parts, count) = open(content, bvh, boxes);
-        let mut node = WideNode::EMPTY;
-        let mut latest = before;
-        for (place, part) in parts[..count].iter().enumerate() {
-            let child = match part.content {
-                BvhContent::Leaf { first, count: 1 } => WideChild::Leaf(leaf(bvh.references[first as usize])),
-                content => {
-                    nodes.push(promised(content, latest));
-                    latest = (nodes.len() - 1) as u32;
-                    WideChild::Node(latest)
+#[cfg(feature = "parallel")]
+impl<F: Fn(u32) -> u32 + Sync> Source<'_, F> {
+    /// As [`Self::collapse_below`], but that the first levels stand before all others.
+    fn collapse_in_tasks(&self, content: BvhContent, nodes: &mut Vec<WideNode>) {
+        use rayon::prelude::*;
+        let mut level = vec![Pending {
+            content,
+            ..Pending::NONE
+        }];
+        for depth in 0..2 {
+            let mut below = Vec::new();
+            for own in level {
+                let at = nodes.len() as u32;
+                if depth > 0 {
+                    nodes[own.parent as usize].children[own.place as usize] = WideChild::Node(at).pack();
                 }
-            };
-            node.children[place] = child.pack();
-            node.set_bounds(place, &part.bounds);
-        }
-        nodes[next as usize] = node;
-        next = latest;
-    }
-    root
-}
-
-/// A node whose turn has not come. What it will hold, and the node whose turn is after it, stand where its children will
-/// be, so that nothing else need be allocated. Turns go depth first, which keeps near in memory what is near in space.
-fn promised(content: BvhContent, before: u32) -> WideNode {
-    let mut node = WideNode::EMPTY;
-    let (first, count) = match content {
-        BvhContent::Inner { left } => (left, 0),
-        BvhContent::Leaf { first, count } => (first, count),
-    };
-    node.children[..3].copy_from_slice(&[first, count, before]);
-    node
-}
-
-/// What a [`promised`] node will hold, and whose turn is after it.
-fn promise(node: &WideNode) -> (BvhContent, u32) {
-    let [first, count, before, ..] = node.children;
-    let content = match count {
-        0 => BvhContent::Inner { left: first },
-        count => BvhContent::Leaf { first, count },
-    };
-    (content, before)
-}
-
-/// The parts of a node's eight places, and how many there are.
-fn open(content: BvhContent, bvh: &Bvh, boxes: &[Aabb]) -> ([Part; 8], usize) {
-    let mut parts = [Part::NONE; 8];
-    match content {
-        // The box of a single reference is its own; that of a part which is opened does not matter.
-        BvhContent::Leaf { first, count: 1 } => {
-            parts[0] = Part::new(boxes[bvh.references[first as usize] as usize], content);
-        }
-        _ => parts[0].content = content,
-    }
-    let mut count = 1;
-    while count < 8 {
-        let openable = (0..count).filter(|place| parts[*place].can_open());
-        let largest = openable.reduce(|best, place| {
-            if parts[place].area > parts[best].area {
-                place
-            } else {
-                best
+                nodes.push(self.node(own.content, |place, content| {
+                    below.push(Pending {
+                        content,
+                        parent: at,
+                        place,
+                    });
+                }));
             }
-        });
-        let Some(largest) = largest else {
-            break;
-        };
-        [parts[largest], parts[count]] = parts[largest].halves(bvh, boxes);
-        count += 1;
+            level = below;
+        }
+        if rayon::current_num_threads() == 1 {
+            for own in level {
+                nodes[own.parent as usize].children[own.place as usize] = WideChild::Node(nodes.len() as u32).pack();
+                self.collapse_below(own.content, nodes);
+            }
+            return;
+        }
+        let trees: Vec<Vec<WideNode>> = level
+            .par_iter()
+            .map(|own| {
+                let mut tree = Vec::new();
+                self.collapse_below(own.content, &mut tree);
+                tree
+            })
+            .collect();
+        for (own, tree) in level.iter().zip(&trees) {
+            let at = append_nodes(nodes, tree);
+            nodes[own.parent as usize].children[own.place as usize] = WideChild::Node(at).pack();
+        }
     }
-    (parts, count)
+}
+
+/// Parts of a binary tree that are to stand in a node's places.
+struct Parts {
+    bounds: [Aabb; 8],
+    contents: [BvhContent; 8],
+    /// Half of their areas, as they compare; negative where they cannot be opened.
+    areas: [f32; 8],
+    count: usize,
+}
+
+impl Parts {
+    const NONE: Self = Self {
+        bounds: [Aabb::EMPTY; 8],
+        contents: [BvhContent::Leaf { first: 0, count: 0 }; 8],
+        areas: [-1.0; 8],
+        count: 0,
+    };
+
+    #[inline]
+    fn set(&mut self, place: usize, bounds: Aabb, content: BvhContent) {
+        let [x, y, z] = [0, 1, 2].map(|k| bounds.max[k] - bounds.min[k]);
+        self.bounds[place] = bounds;
+        self.contents[place] = content;
+        self.areas[place] = match content {
+            BvhContent::Leaf { count: 0 | 1, .. } => -1.0,
+            // Infinite sides by none are no number, and then least.
+            _ => (x * y + y * z + z * x).max(0.0),
+        };
+    }
+
+    /// The first of the largest that can be opened.
+    #[inline]
+    fn largest(&self) -> Option<usize> {
+        let (mut largest, mut found) = (-1.0, None);
+        for place in 0..self.count {
+            if self.areas[place] > largest {
+                (largest, found) = (self.areas[place], Some(place));
+            }
+        }
+        found
+    }
 }
 
 #[cfg(test)]

@@ -28,7 +28,7 @@ pub(crate) use collapse::collapse;
 pub(crate) use descent::Descent;
 pub(crate) use fuzzy_ray::{FuzzyBoxes, FuzzyRay};
 pub(crate) use key_boxes::KeyBoxes;
-pub(crate) use node::{WideNode, append_rows};
+pub(crate) use node::{WideNode, append_nodes, append_rows};
 pub(crate) use ray::WideRay;
 pub(crate) use refit::{refit, refit_triangles};
 pub(crate) use stack::{DEPTHS, WideStack};

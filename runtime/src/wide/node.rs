@@ -66,15 +66,29 @@ pub(crate) fn append_rows(
 ) -> u32 {
     let root = nodes.len() as u32;
     nodes.extend(rows.iter().map(|row| WideNode {
-        children: row.children.map(|word| {
-            let moved = match WideChild::unpack(word) {
-                WideChild::Empty => WideChild::Empty,
-                WideChild::Node(index) => WideChild::Node(root + index),
-                WideChild::Leaf(index) => child(index),
-            };
-            moved.pack()
+        children: row.children.map(|word| match WideChild::unpack(word) {
+            WideChild::Leaf(index) => child(index).pack(),
+            _ => moved(word, root),
         }),
         ..WideNode::EMPTY
     }));
     root
+}
+
+/// Appends a tree as it is; where its root is.
+pub(crate) fn append_nodes(nodes: &mut Vec<WideNode>, tree: &[WideNode]) -> u32 {
+    let root = nodes.len() as u32;
+    nodes.extend(tree.iter().map(|node| WideNode {
+        children: node.children.map(|word| moved(word, root)),
+        ..*node
+    }));
+    root
+}
+
+/// A packed child of a tree whose root has moved from 0 to `root`.
+fn moved(word: u32, root: u32) -> u32 {
+    match WideChild::unpack(word) {
+        WideChild::Node(index) => WideChild::Node(root + index).pack(),
+        _ => word,
+    }
 }

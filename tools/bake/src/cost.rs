@@ -25,8 +25,11 @@ pub(crate) fn wide_tree() -> BvhSettings {
 /// and without take times in proportion to their expected costs where it is 1.2 (elephant), 2.1 (horse) and 3.5 (cow).
 pub(crate) const KEYED_TRAVERSAL_COST: f64 = 2.0;
 
-// Not counted: that the runtime poses and refits the whole of an instance that many rays enter. With that, fuzzy trees were the
-// faster even of the shattering vase: 1.7 against 8.8 ms with 1,000 rays, 11 against 20 with 10,000 (`restpose measure frame`).
+// Not counted: that the runtime poses and refits the whole of an instance that many rays enter, which takes a twentieth of the time
+// of building and traces as fast: ns a ray in the whole and in the rebuilt tree, cow 377 and 352, horse 343 and 338, ELEPHANT 418
+// and 420, the shattering vase 554 and 500. Rebuilding has become faster than the constants below (300 ns a triangle and 16.5 a
+// unit of cost, the runtime's wide tree included); with these alone the choice would turn at 7,000 rays for the cow, where
+// fuzzy trees take 2.7 ms and the other way 4.2.
 
 /// Steps that it takes to bring a ray into a cluster: the top level's share and the ray's transformation.
 const ENTRY_COST: f64 = 8.0;

@@ -2,8 +2,9 @@
 
 use super::{Actor, Flight, Inside, NEAR_TRIANGLES, Next, Tree};
 use crate::{
-    Asset,
+    Asset, InstanceId,
     cluster_frame::{LocalFrame, SlabRay, Way},
+    posed_mesh::PosedMesh,
     prepared::{ClusterState, PosedCluster, Whole},
     simd::{Lanes, Portable, prefetch},
     stats::Count,
@@ -59,6 +60,13 @@ impl<'a> Flight<'a> {
         }
     }
 
+    /// Enters geometry of the caller's.
+    #[inline(always)]
+    pub(in crate::trace) fn enter_geometry(&mut self, id: InstanceId, mesh: PosedMesh<'a>) {
+        self.supplied = Some((id, mesh));
+        self.enter_later(Tree::Supplied, mesh.nodes);
+    }
+
     /// [`Self::enter_actor`], but for what is not inside of it. Where all of it has been posed meanwhile, that is all.
     #[inline(always)]
     pub(in crate::trace) fn enter_inside(&mut self, actor: Actor<'a>, whole: Option<&'a Whole>, inside: Inside) {
@@ -84,6 +92,12 @@ impl<'a> Flight<'a> {
         let (state, posed) = prepared.cluster(asset, slot, &mut context.motions);
         self.cache = state.cache;
         let model = asset.model();
+        if let Way::Posed(tree) = &posed.frame.way
+            && let Some(nodes) = prepared.trees[*tree as usize].wide_for(1)
+        {
+            self.enter(Tree::Refitted, nodes);
+            return false;
+        }
         let refit_after = if self.is_whole { 0 } else { posed.refit_after };
         let refitted = refit_after != u32::MAX && state.refitted().is_worth_it(refit_after, 1);
         match (&posed.frame.way, model.meta.tree) {

@@ -3,6 +3,7 @@ mod enter;
 use super::{context::ClusterContext, traveller::Traveller};
 use crate::{
     Asset, InstanceId,
+    posed_mesh::PosedMesh,
     prepared::Prepared,
     simd::{Lanes, prefetch},
     stats::Count,
@@ -39,6 +40,7 @@ pub(super) struct Flight<'a> {
     /// Whether the tree at a depth is in no near cache.
     is_far: [bool; DEPTHS],
     actor: Option<Actor<'a>>,
+    supplied: Option<(InstanceId, PosedMesh<'a>)>,
     /// Whether all vertices of the instance were posed when the ray came.
     is_whole: bool,
     /// Triangles tested before it entered the instance.
@@ -83,6 +85,8 @@ enum Tree {
     Clusters,
     /// Over all triangles of an instance.
     Whole,
+    /// Over geometry of the caller's.
+    Supplied,
     /// Over those of a cluster, in its local space.
     Fuzzy,
     /// Over those of a cluster, posed.
@@ -94,7 +98,7 @@ impl Tree {
     fn depth(self) -> usize {
         match self {
             Self::Instances => 0,
-            Self::Clusters | Self::Whole => 1,
+            Self::Clusters | Self::Whole | Self::Supplied => 1,
             Self::Fuzzy | Self::Refitted => 2,
         }
     }
@@ -123,6 +127,7 @@ impl<'a> Flight<'a> {
             floors: [0; DEPTHS],
             is_far: [nodes.len() > NEAR_NODES, true, true],
             actor: None,
+            supplied: None,
             is_whole: false,
             tests_before: 0,
             cache: NONE,
@@ -159,6 +164,11 @@ impl<'a> Flight<'a> {
                 if self.test::<ANY, S, C>(simd, triangle, counters) {
                     return false;
                 }
+            }
+            Next::FindCorners(triangle) if self.tree == Tree::Supplied => {
+                self.supplied().1.prefetch_corners(triangle);
+                self.next = Next::TestTriangle(triangle);
+                return true;
             }
             Next::FindCorners(triangle) => {
                 let actor = self.actor();
@@ -208,6 +218,7 @@ impl<'a> Flight<'a> {
                         self.leave();
                         Tree::Instances
                     }
+                    Tree::Supplied => Tree::Instances,
                     Tree::Fuzzy | Tree::Refitted => Tree::Clusters,
                 };
                 continue;
@@ -228,7 +239,10 @@ impl<'a> Flight<'a> {
                     return true;
                 }
                 _ if is_far => {
-                    let triangles = self.actor().asset.model().triangles;
+                    let triangles = match self.tree {
+                        Tree::Supplied => self.supplied().1.triangles,
+                        _ => self.actor().asset.model().triangles,
+                    };
                     prefetch(std::slice::from_ref(&triangles[leaf as usize]));
                     self.next = Next::FindCorners(leaf);
                     return true;
@@ -246,6 +260,10 @@ impl<'a> Flight<'a> {
     #[inline(always)]
     fn test<const ANY: bool, S: Lanes, C: Count>(&mut self, simd: S, triangle: u32, counters: &mut C) -> bool {
         counters.triangle();
+        if self.tree == Tree::Supplied {
+            let (id, mesh) = self.supplied();
+            return self.traveller.test(&mesh.corners(triangle), id, triangle) && ANY;
+        }
         let Actor { id, asset, prepared } = self.actor();
         let corners = prepared.pose_triangle(simd, asset.model(), self.cache, triangle, counters);
         let is_over = self.traveller.test(&corners, id, triangle) && ANY;
@@ -253,6 +271,14 @@ impl<'a> Flight<'a> {
             self.leave();
         }
         is_over
+    }
+
+    #[inline(always)]
+    fn supplied(&self) -> (InstanceId, PosedMesh<'a>) {
+        match self.supplied {
+            Some(supplied) => supplied,
+            None => unreachable!("set where geometry is entered"),
+        }
     }
 
     #[inline(always)]
