@@ -4,7 +4,7 @@ use crate::{
     posed_mesh::PosedMesh,
     posed_tree::PosedTree,
 };
-use restpose_formats::rows::TriangleRow;
+use restpose_formats::rows::{TriangleRow, WideChild};
 
 /// Vertices that one task poses.
 #[cfg(feature = "parallel")]
@@ -58,8 +58,8 @@ impl GeometryInstance {
         Ok(())
     }
 
-    /// What the tree's 32-bit indices count.
-    const MAX_TRIANGLES: usize = crate::build::CheckedBoxes::MAX_COUNT;
+    /// What the indices of wide trees count, which are fewer than those of binary ones.
+    const MAX_TRIANGLES: usize = WideChild::MAX_INDEX as usize + 1;
 
     /// Poses all vertices and builds the tree, where something has changed since.
     pub(crate) fn update(&mut self) {
@@ -89,12 +89,17 @@ impl GeometryInstance {
         self.tree.rebuild(0..triangles.len() as u32, bound);
     }
 
-    /// Its triangles as of the last commit, for so many rays, if the wide tree over them pays.
+    /// Counts rays that enter.
     #[inline]
-    pub(crate) fn mesh_for(&self, rays: u32) -> Option<PosedMesh<'_>> {
-        let nodes = self.tree.wide_for(rays)?;
+    pub(crate) fn count(&self, rays: u32) {
+        self.tree.count(rays);
+    }
+
+    /// Its triangles as of the last commit, where the wide tree over them pays and is there.
+    #[inline]
+    pub(crate) fn mesh(&self) -> Option<PosedMesh<'_>> {
         Some(PosedMesh {
-            nodes,
+            nodes: self.tree.wide()?,
             triangles: &self.triangles,
             positions: &self.posed,
         })

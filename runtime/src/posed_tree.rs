@@ -5,8 +5,8 @@ use crate::{
     wide::{WideNode, append_nodes},
 };
 use std::sync::{
-    OnceLock,
-    atomic::{AtomicU32, Ordering::Relaxed},
+    Mutex, OnceLock, PoisonError,
+    atomic::{AtomicBool, AtomicU32, Ordering::Relaxed},
 };
 
 /// A ray saves about as much in the wide tree as so many triangles take to get there from the binary one: 160 ns a ray through the
@@ -15,10 +15,15 @@ const TRIANGLES_PER_RAY: usize = 4;
 
 /// The tree over triangles that are posed anew in each frame: a binary one, and once that pays for the rays of a frame, a wide one
 /// of the same boxes. If it paid in the last frame, it is there from the start.
+///
+/// No ray waits for it: while one thread makes it, which may take tasks of the others, these go through the binary tree.
 #[derive(Debug, Default)]
 pub(crate) struct PosedTree {
     binary: BoxTree,
     wide: OnceLock<Vec<WideNode>>,
+    is_claimed: AtomicBool,
+    /// The memory of an earlier wide tree.
+    spare: Mutex<Vec<WideNode>>,
     /// That have entered, until they are enough.
     rays: AtomicU32,
 }
@@ -28,15 +33,25 @@ impl PosedTree {
     pub(crate) fn rebuild(&mut self, triangles: impl Iterator<Item = u32>, bound: impl Fn(u32) -> Aabb + Sync) {
         let enough = self.enough();
         let were_enough = enough > 0 && *self.rays.get_mut() >= enough;
-        let wide = self.wide.take();
-        *self.rays.get_mut() = 0;
+        if let Some(nodes) = self.wide.take() {
+            *self.spare.get_mut().unwrap_or_else(PoisonError::into_inner) = nodes;
+        }
+        (*self.rays.get_mut(), *self.is_claimed.get_mut()) = (0, false);
         self.binary.rebuild(triangles, bound, &BvhSettings::default());
         if were_enough {
-            let mut nodes = wide.unwrap_or_default();
-            nodes.clear();
-            self.binary.collapse(&mut nodes);
-            self.wide = OnceLock::from(nodes);
+            self.make_wide();
         }
+    }
+
+    fn make_wide(&self) {
+        if self.is_claimed.swap(true, Relaxed) {
+            return;
+        }
+        let mut nodes = std::mem::take(&mut *self.spare.lock().unwrap_or_else(PoisonError::into_inner));
+        nodes.clear();
+        self.binary.collapse(&mut nodes);
+        // Nobody else has claimed it.
+        let _ = self.wide.set(nodes);
     }
 
     fn enough(&self) -> u32 {
@@ -53,24 +68,22 @@ impl PosedTree {
         &self.binary
     }
 
-    /// The wide tree, for so many rays that enter, if it pays. Not empty.
+    /// Counts rays that enter.
     #[inline]
-    pub(crate) fn wide_for(&self, rays: u32) -> Option<&[WideNode]> {
-        let enough = self.enough();
+    pub(crate) fn count(&self, rays: u32) {
         // All threads write here, so no more than must be.
-        if self.rays.load(Relaxed) < enough {
+        if self.rays.load(Relaxed) < self.enough() {
             self.rays.fetch_add(rays, Relaxed);
         }
-        if let Some(wide) = self.wide.get() {
-            return Some(wide);
+    }
+
+    /// The wide tree, if it pays and is there. Not empty.
+    #[inline]
+    pub(crate) fn wide(&self) -> Option<&[WideNode]> {
+        if self.wide.get().is_none() && self.rays.load(Relaxed) >= self.enough() {
+            self.make_wide();
         }
-        (self.rays.load(Relaxed) >= enough).then(|| {
-            &self.wide.get_or_init(|| {
-                let mut nodes = Vec::new();
-                self.binary.collapse(&mut nodes);
-                nodes
-            })[..]
-        })
+        self.wide.get().map(Vec::as_slice)
     }
 
     /// Appends the wide tree; where its root is.
@@ -97,16 +110,22 @@ mod tests {
     #[test]
     fn a_wide_tree_is_made_once_it_pays_and_then_with_the_binary_one() {
         let mut tree = PosedTree::default();
-        let is_wide = |tree: &PosedTree| tree.wide.get().is_some();
+        let wide_for = |tree: &PosedTree, rays: u32| {
+            tree.count(rays);
+            tree.wide().map(|nodes| nodes[0].around())
+        };
         tree.rebuild(0..400, in_a_row);
-        assert!(tree.wide_for(64).is_none() && tree.wide_for(35).is_none());
-        assert_eq!(tree.wide_for(1).map(|nodes| nodes[0].around()), Some(tree.bounds()));
+        assert!(wide_for(&tree, 64).is_none() && wide_for(&tree, 35).is_none());
+        assert_eq!(wide_for(&tree, 1), Some(tree.bounds()));
         tree.rebuild(0..200, in_a_row);
-        assert!(is_wide(&tree), "as many rays are expected again");
-        assert_eq!(tree.wide_for(49).map(|nodes| nodes[0].around()), Some(tree.bounds()));
+        assert_eq!(
+            wide_for(&tree, 49),
+            Some(tree.bounds()),
+            "as many rays are expected again"
+        );
         tree.rebuild(0..400, in_a_row);
-        assert!(!is_wide(&tree), "49 rays were too few for 200 triangles");
+        assert!(tree.wide().is_none(), "49 rays were too few for 200 triangles");
         tree.rebuild(0..0, in_a_row);
-        assert_eq!(tree.wide_for(1), Some(&[WideNode::EMPTY][..]));
+        assert_eq!(tree.wide(), Some(&[WideNode::EMPTY][..]));
     }
 }

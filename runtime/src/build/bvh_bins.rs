@@ -55,6 +55,8 @@ pub(super) struct Bins {
     boxes: [[BoxLanes; MOST_BINS]; 3],
     /// Of each border.
     costs: [[f32; MOST_BINS + 8]; 3],
+    /// Room for primitives that stand for all of a node's.
+    pub sample: Vec<BoxLanes>,
 }
 
 /// A border between two bins.
@@ -69,6 +71,7 @@ impl Bins {
     pub(super) const EMPTY: Self = Self {
         boxes: [[BoxLanes::EMPTY; MOST_BINS]; 3],
         costs: [[0.0; MOST_BINS + 8]; 3],
+        sample: Vec::new(),
     };
 
     /// Bins all primitives along all axes in one pass.
@@ -106,7 +109,7 @@ impl Bins {
     }
 
     /// The border at which the sum of both sides' half areas times their numbers is least, if it is below `limit`; of
-    /// equal ones the lowest axis, then the highest bin.
+    /// equal ones the lowest axis, then the highest bin. Numbers above 2²⁴ are rounded; none becomes zero.
     #[inline(always)]
     pub(super) fn best_border<S: Lanes>(&mut self, simd: S, count: usize, scale: S::F4, limit: f32) -> Option<Border> {
         if count <= 8 {
@@ -197,7 +200,7 @@ impl Bins {
 ///
 /// The map never descends, whatever it rounds; so what it sends below a border has smaller centers than what it sends
 /// above. Parting by this map therefore parts by the smallest center above the border, which the dissertation stores in
-/// each bin for that purpose, and agrees with the counts in the bins bit for bit.
+/// each bin for that purpose, and agrees with the counts in the bins bit for bit, where these are of the same primitives.
 #[derive(Clone, Copy)]
 pub(super) struct BinMap<S: Lanes> {
     low: S::F4,
@@ -252,8 +255,8 @@ impl<S: Lanes> BinMap<S> {
             simd.store4(self.low)[border.axis],
             simd.store4(self.factor)[border.axis],
         );
-        // A place is never negative, so what is truncated is below just when it is itself; and the border is at most
-        // the last bin, so there is no need to end at that.
+        // What is truncated is below just when it is itself, negative places too, which a sample's map may have; and the border
+        // is at most the last bin, so there is no need to end at that.
         let bin = border.bin as f32;
         let mut below = 0;
         for next in 0..primitives.len() {

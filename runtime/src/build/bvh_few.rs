@@ -110,6 +110,7 @@ fn best_center<S: Lanes>(
     let counted = simd.load8(&COUNTED[last]);
     let boxes = EightBoxes::load(simd, &own).only(simd, counted);
     let scale = simd.join(scale, scale);
+    // Centers fall along the order, so "below" has the greater ones.
     let below = simd.load8(&NUMBERS);
     let above = simd.max8(simd.sub8(simd.splat8(primitives.len() as f32), below), simd.splat8(0.0));
     let mut orders = [[0.0; FEW]; 3];

@@ -91,11 +91,7 @@ pub(super) fn split_large(plan: &Plan, job: &mut Job<'_>, bins: &mut Bins) -> Op
     };
     *job.node = BvhNode::inner(job.extent.bounds.aabb(), job.below_first);
     let (below, above) = job.primitives.split_at(left);
-    let sides = both(
-        job.primitives.len() > LARGE,
-        || Extent::of(plan.level, below),
-        || Extent::of(plan.level, above),
-    );
+    let sides = both(true, || Extent::of(plan.level, below), || Extent::of(plan.level, above));
     Some(LargeSplit {
         left,
         sides: sides.into(),
@@ -114,10 +110,13 @@ fn part_by_sample(plan: &Plan, primitives: &mut [BoxLanes], bounds: &BoxLanes, b
         bins: &mut Bins,
     ) -> Option<usize> {
         let scale = simd.splat4(unit_scale(simd, bounds)?);
-        let sample = sample_of(primitives);
+        let mut sample = std::mem::take(&mut bins.sample);
+        sample.resize(SAMPLE, BoxLanes::EMPTY);
+        write_sample(primitives, &mut sample);
         let count = plan.count.of(primitives.len());
         let map = BinMap::new(simd, &sample, count);
         bins.fill(simd, &sample, &map);
+        bins.sample = sample;
         // That of `split`, for the number of the sample.
         let share = SAMPLE as f64 / primitives.len() as f64;
         let saved = share * plan.settings.traversal_cost / plan.settings.intersection_cost;
@@ -144,16 +143,16 @@ fn part_by_sample(plan: &Plan, primitives: &mut [BoxLanes], bounds: &BoxLanes, b
     body(Portable, plan, primitives, bounds, bins)
 }
 
-/// One of each of as many equal stretches of the list; which one differs, as lists of meshes repeat themselves.
-fn sample_of(primitives: &[BoxLanes]) -> [BoxLanes; SAMPLE] {
-    let mut sample = [BoxLanes::EMPTY; SAMPLE];
-    let stretch = primitives.len() / SAMPLE;
+/// Writes one of each of as many stretches of the list as there is room for, which are as long as each other but for one; which
+/// one differs, as lists of meshes repeat themselves.
+fn write_sample(primitives: &[BoxLanes], sample: &mut [BoxLanes]) {
+    let (all, count) = (primitives.len() as u64, sample.len() as u64);
     // A linear congruential generator, with the constants of Press et al., *Numerical Recipes*.
     let mut random = 0u32;
-    for (number, to) in sample.iter_mut().enumerate() {
+    for (number, to) in (0u64..).zip(sample) {
         random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        let within = (u64::from(random) * stretch as u64) >> 32;
-        *to = primitives[number * stretch + within as usize];
+        let (begin, end) = (number * all / count, (number + 1) * all / count);
+        let within = (u64::from(random) * (end - begin)) >> 32;
+        *to = primitives[(begin + within) as usize];
     }
-    sample
 }

@@ -280,7 +280,10 @@ impl Prepared {
             return Some(whole);
         }
         if limits.is_whole_due(&self.demand, || pool.wholes.in_use()) {
-            let pose = |whole: &mut Whole| whole.pose(self, pool.asset());
+            let pose = |whole: &mut Whole| {
+                whole.pose(self, pool.asset());
+                whole.beside = pool.wholes.in_use();
+            };
             return self.whole.get_or_make(&pool.wholes, pose);
         }
         if limits.is_remembered {

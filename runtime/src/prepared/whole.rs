@@ -7,8 +7,8 @@ use crate::{
 };
 use restpose_formats::{ModelView, TreeKind, rows::WideChild};
 
-/// An instance of which every vertex was posed, and a tree over its posed triangles: the topology of its top level and of
-/// its fuzzy trees, joined, with the boxes of this pose.
+/// An instance of which every vertex was posed, and a tree over its posed triangles: the topologies of its top level, of its fuzzy
+/// trees, and of the trees of clusters in free motion, joined, with the boxes of this pose.
 #[derive(Debug, Default)]
 pub(crate) struct Whole {
     /// World space, per vertex row.
@@ -20,6 +20,8 @@ pub(crate) struct Whole {
     clusters: Vec<(u32, u32)>,
     /// Whether trees of clusters in free motion are among them, whose topologies are of one pose.
     is_of_one_pose: bool,
+    /// Wholes that this asset's instances had when it was posed, itself among them.
+    pub beside: u32,
 }
 
 impl Whole {

@@ -34,8 +34,8 @@ pub(crate) trait Lanes: Copy {
     ///
     /// The lowest three bits of `a` do not count: of lanes that are equal but for them, later ones are written first.
     fn sort8(self, a: Self::F8, b: Self::F8, tags: &[u32; 8], to: (&mut [f32; 8], &mut [u32; 8])) -> usize;
-    /// The numbers of the lanes, as bits, so that what they hold falls. The lowest three bits do not count: of lanes that are
-    /// equal but for them, later ones come first.
+    /// The indices of the lanes, as bits and not as numbers, the lane with the greatest number first. Its lowest three bits do not
+    /// count: of lanes that are equal but for them, later ones come first. A NaN is beyond the infinity of its sign.
     fn order8(self, a: Self::F8) -> Self::F8;
     /// Lane `i` is lane `order[i]` of `a`: of the bits, the lowest three count.
     fn permute8(self, a: Self::F8, order: Self::F8) -> Self::F8;

@@ -60,9 +60,13 @@ impl Bundle<'_> {
                 }
             }
         } else if let Instance::Geometry(geometry) = instance
-            && let Some(mesh) = geometry.mesh_for(groups.count_ones() * GROUP as u32)
+            && let Some(mesh) = geometry.mesh()
         {
-            self.enter_whole::<ANY>(id, mesh, bundled, room)
+            let is_done = self.enter_whole::<ANY>(id, mesh, bundled, room);
+            if is_done {
+                geometry.count(groups.count_ones() * GROUP as u32);
+            }
+            is_done
         } else {
             false
         };

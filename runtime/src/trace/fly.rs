@@ -178,7 +178,8 @@ fn enter_instance<'a, const ANY: bool, S: Lanes, C: Count>(
     match scene.in_slot(index) {
         None => false,
         Some(Instance::Geometry(geometry)) => {
-            if let Some(mesh) = geometry.mesh_for(1) {
+            geometry.count(1);
+            if let Some(mesh) = geometry.mesh() {
                 flight.enter_geometry(id, mesh);
                 return false;
             }

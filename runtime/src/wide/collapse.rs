@@ -7,7 +7,7 @@ use crate::{
 };
 use restpose_formats::rows::WideChild;
 
-/// Trees with more references are collapsed in tasks, below the third level.
+/// Trees with more references are collapsed in tasks, from the third level on.
 #[cfg(feature = "parallel")]
 const TASK_REFERENCES: usize = 4096;
 
@@ -38,7 +38,8 @@ struct Source<'a, F> {
 /// the index of its root. A tree without nodes becomes a root without children.
 ///
 /// `boxes` are those that the tree was built over. Each node opens the part with the largest area until it has eight. Nodes stand
-/// depth first, which keeps near in memory what is near in space; those of large trees only below the third level.
+/// depth first, which keeps near in memory what is near in space; with the feature `parallel`, those of large trees only from the
+/// third level on.
 ///
 /// Based on: Wald, Benthin and Boulos, *Getting Rid of Packets*, 2008, §3.1 (collapsing by surface area).
 pub(crate) fn collapse(bvh: &Bvh, boxes: &[Aabb], leaf: impl Fn(u32) -> u32 + Sync, nodes: &mut Vec<WideNode>) -> u32 {
@@ -223,7 +224,7 @@ impl Parts {
         self.contents[place] = content;
         self.areas[place] = match content {
             BvhContent::Leaf { count: 0 | 1, .. } => -1.0,
-            // Infinite sides by none are no number, and then least.
+            // An infinite side times zero is no number, which counts as the least.
             _ => (x * y + y * z + z * x).max(0.0),
         };
     }

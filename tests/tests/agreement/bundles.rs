@@ -1,14 +1,15 @@
 //! Batches, whose coherent rays go together, answer each ray as if it were alone.
 
 use restpose_bake::{
-    BakeSettings,
-    import::import,
+    BakeSettings, MotionClass,
+    import::{ImportSettings, import, import_files},
     subdivide::subdivide,
     verify::{Oracle, Rays},
 };
 use restpose_formats::TreeKind;
-use restpose_runtime::{Affine, Frame, InstanceId, Posing, Ray, Scene};
-use restpose_tests::{baked_with, sample_scenes};
+use restpose_runtime::{Affine, Asset, Frame, InstanceId, Posing, Ray, Scene};
+use restpose_tests::{baked_with, hit_bits, sample_scenes};
+use std::{path::Path, sync::Arc, time::Duration};
 
 /// Rays of a camera in tiles of eight by eight, as pictures should be traced: coherent but for those near its axes.
 fn camera(frame: &Frame, side: usize, from: [f32; 3]) -> Vec<Ray> {
@@ -252,4 +253,92 @@ fn many_bundles_are_worth_posing_all_of_an_instance() {
         assert!(hits.iter().flatten().count() > rays.len() / 50);
         assert_eq!(frame.stats().instances_whole, whole, "{side}");
     }
+}
+
+/// The bundled vase, in free motion.
+fn free_vase() -> Arc<Asset> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../samples/scenes");
+    let files = ["shatter.obj", "shatter.pc2"].map(|name| folder.join(name));
+    let animation = import_files(&files, &ImportSettings::default()).unwrap().animation;
+    let settings = BakeSettings {
+        class_overrides: [("vase".into(), MotionClass::Free)].into_iter().collect(),
+        ..BakeSettings::default()
+    };
+    baked_with(&animation, &settings)
+}
+
+/// Compares a batch with single rays, and some of these with brute force.
+fn assert_exact(name: &str, frame: &Frame, instance: InstanceId) {
+    let oracle = Oracle::new(frame, &[instance]);
+    let mut rays = camera(frame, 104, [0.1, 0.2, 1.4]);
+    rays.extend(Rays::new(&oracle, 1).take(2_000));
+    let hits = assert_alike(name, frame, &rays);
+    assert!(hits > 1_000, "{name}: {hits}");
+    for ray in rays.iter().step_by(71) {
+        assert_eq!(
+            hit_bits(frame.closest_hit(ray)),
+            hit_bits(oracle.closest_hit(ray)),
+            "{name}: {ray:?}"
+        );
+    }
+}
+
+/// Each pose has another tree over the same triangles.
+#[test]
+fn batches_meet_free_motion_and_supplied_geometry_in_every_pose() {
+    let asset = free_vase();
+    let triangles: Vec<[u32; 3]> = asset.model().triangles.iter().map(|row| row.corners).collect();
+    for posing in [Posing::Recomputed, Posing::Whole, Posing::Chosen] {
+        let (mut scene, mut supplied) = (Scene::new(), Scene::new());
+        let vase = scene.add(&asset);
+        let rubble = supplied.add_geometry();
+        scene.set_posing(vase, posing).unwrap();
+        for time in [0.0, 0.31, 0.72, 0.74] {
+            scene.play(vase, 0, time).unwrap();
+            let frame = scene.commit();
+            assert_exact(&format!("{posing:?} at {time}"), &frame, vase);
+            let mut vertices = Vec::new();
+            frame.vertices(vase, &mut vertices).unwrap();
+            supplied.set_geometry(rubble, &vertices, &triangles).unwrap();
+            assert_exact(&format!("supplied at {time}"), &supplied.commit(), rubble);
+        }
+    }
+}
+
+/// Making a wide tree takes tasks of other threads, whose rays must not wait for it.
+#[test]
+fn threads_that_make_a_tree_do_not_wait_for_each_other() {
+    let (done, is_done) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        let asset = free_vase();
+        let triangles: Vec<[u32; 3]> = asset.model().triangles.iter().map(|row| row.corners).collect();
+        let mut scene = Scene::new();
+        let vase = scene.add(&asset);
+        scene.play(vase, 0, 0.72).unwrap();
+        let frame = scene.commit();
+        let mut vertices = Vec::new();
+        frame.vertices(vase, &mut vertices).unwrap();
+        let oracle = Oracle::new(&frame, &[vase]);
+        let rays: Vec<Ray> = Rays::new(&oracle, 2).take(20_000).collect();
+        let alone: Vec<bool> = rays.iter().map(|ray| frame.any_hit(ray)).collect();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(6).build().unwrap();
+        for _ in 0..40 {
+            let mut scene = Scene::new();
+            let rubble = scene.add_geometry();
+            scene.set_geometry(rubble, &vertices, &triangles).unwrap();
+            let frame = scene.commit();
+            let mut any = vec![false; rays.len()];
+            // A thread outside of the pool traces the same frame.
+            std::thread::scope(|scope| {
+                scope.spawn(|| rays.iter().rev().filter(|ray| frame.any_hit(ray)).count());
+                pool.install(|| frame.any_hits(&rays, &mut any));
+            });
+            assert_eq!(any, alone);
+        }
+        done.send(()).unwrap();
+    });
+    // It takes a few seconds.
+    is_done
+        .recv_timeout(Duration::from_secs(300))
+        .expect("no thread waits for ever, none fails");
 }

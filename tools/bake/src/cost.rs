@@ -27,9 +27,9 @@ pub(crate) const KEYED_TRAVERSAL_COST: f64 = 2.0;
 
 // Not counted: that the runtime poses and refits the whole of an instance that many rays enter, which takes a twentieth of the time
 // of building and traces as fast: ns a ray in the whole and in the rebuilt tree, cow 377 and 352, horse 343 and 338, ELEPHANT 418
-// and 420, the shattering vase 554 and 500. Rebuilding has become faster than the constants below (300 ns a triangle and 16.5 a
-// unit of cost, the runtime's wide tree included); with these alone the choice would turn at 7,000 rays for the cow, where
-// fuzzy trees take 2.7 ms and the other way 4.2.
+// and 420, the shattering vase 554 and 500. Since the constants below were measured, rebuilding has come down from their 420 ns a
+// triangle to 300, the wide tree included, and its rays from 28.5 ns a unit of cost to 16.5. They stay: with the new ones the choice
+// would turn at 7,000 rays for the cow, where the whole takes 2.7 ms and rebuilding 4.2.
 
 /// Steps that it takes to bring a ray into a cluster: the top level's share and the ray's transformation.
 const ENTRY_COST: f64 = 8.0;

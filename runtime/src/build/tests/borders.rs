@@ -7,8 +7,13 @@ use super::super::{
 use super::families::FAMILIES;
 use crate::simd::Portable;
 
-/// As axis and first bin above; of equal ones the lowest axis, there the highest bin.
-fn by_definition(primitives: &[BoxLanes], map: &BinMap<Portable>, bins: usize, limit: f32) -> Option<(usize, usize)> {
+/// Its cost, and it as axis and first bin above; of equal ones the lowest axis, there the highest bin.
+fn by_definition(
+    primitives: &[BoxLanes],
+    map: &BinMap<Portable>,
+    bins: usize,
+    limit: f32,
+) -> Option<(f32, (usize, usize))> {
     let (mut best, mut found) = (limit, None);
     for axis in 0..3 {
         for border in (1..bins).rev() {
@@ -23,7 +28,8 @@ fn by_definition(primitives: &[BoxLanes], map: &BinMap<Portable>, bins: usize, l
             if let (Some(below), Some(above)) = (side(false), side(true))
                 && below + above < best
             {
-                (best, found) = (below + above, Some((axis, border)));
+                best = below + above;
+                found = Some((best, (axis, border)));
             }
         }
     }
@@ -51,11 +57,23 @@ fn the_best_border_is_that_by_definition_to_the_last_bit() {
             );
             filled.best_border(Portable, 128, [1.0; 4], f32::INFINITY);
             filled.fill(Portable, &primitives, &map);
-            for limit in [f32::INFINITY, 0.0] {
-                let found = filled.best_border(Portable, bins, [1.0; 4], limit);
-                let expected = by_definition(&primitives, &map, bins, limit);
-                assert_eq!(found.map(|border| (border.axis, border.bin)), expected, "{name} {bins}");
-                searched += usize::from(expected.is_some());
+            let expected = by_definition(&primitives, &map, bins, f32::INFINITY);
+            let mut found = |limit| {
+                let border = filled.best_border(Portable, bins, [1.0; 4], limit);
+                border.map(|border| (border.axis, border.bin))
+            };
+            assert_eq!(
+                found(f32::INFINITY),
+                expected.map(|(_, border)| border),
+                "{name} {bins}"
+            );
+            if let Some((cost, border)) = expected {
+                assert_eq!(
+                    (found(cost), found(cost.next_up())),
+                    (None, Some(border)),
+                    "{name} {bins}"
+                );
+                searched += 1;
             }
         }
     }

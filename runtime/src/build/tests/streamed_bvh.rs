@@ -346,3 +346,23 @@ fn a_handful_apart_from_many_is_parted_from_them() {
         40_000.0 * half_area([small(0.0)].into_iter()) + 3.0 * half_area([small(900.0), small(1000.0)].into_iter());
     assert!(root_cost(&tree).unwrap() <= best);
 }
+
+/// A third of the list is behind the last of 2048 stretches of the same whole length.
+#[test]
+fn all_of_a_list_is_sampled() {
+    let mut random = super::random::Random::new(3);
+    let boxes: Vec<Aabb> = (0..6143)
+        .map(|number| {
+            let x = if number < 4096 { 0.0 } else { 10.0 };
+            let min = [x + random.unit(), random.unit(), random.unit()];
+            Aabb {
+                min,
+                max: min.map(|x| x + 0.01),
+            }
+        })
+        .collect();
+    let tree = build(&boxes, BinCount::ACCURATE, SimdLevel::detect(), &SETTINGS);
+    let (near, far) = boxes.split_at(4096);
+    let best = [near, far].map(|side| side.len() as f64 * half_area(side.iter().copied()));
+    assert!(root_cost(&tree).unwrap() <= (best[0] + best[1]) * 1.01);
+}

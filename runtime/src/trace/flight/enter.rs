@@ -52,8 +52,13 @@ impl<'a> Flight<'a> {
         // What instances share is near unless it is large. A refitted cluster's tree is as large as the one that they share.
         self.is_far[Tree::Fuzzy.depth()] = actor.asset.model().triangles.len() > NEAR_TRIANGLES;
         match whole {
-            Some(whole) if !whole.nodes.is_empty() => self.enter_later(Tree::Whole, &whole.nodes),
+            Some(whole) if !whole.nodes.is_empty() => {
+                let triangles = actor.asset.model().triangles.len();
+                self.is_far[Tree::Whole.depth()] = triangles.saturating_mul(whole.beside as usize) > NEAR_TRIANGLES;
+                self.enter_later(Tree::Whole, &whole.nodes);
+            }
             _ => {
+                self.is_far[Tree::Clusters.depth()] = true;
                 self.tests_before = self.traveller.tests;
                 self.enter_later(Tree::Clusters, actor.prepared.top_level.nodes());
             }
@@ -64,6 +69,7 @@ impl<'a> Flight<'a> {
     #[inline(always)]
     pub(in crate::trace) fn enter_geometry(&mut self, id: InstanceId, mesh: PosedMesh<'a>) {
         self.supplied = Some((id, mesh));
+        self.is_far[Tree::Supplied.depth()] = mesh.triangles.len() > NEAR_TRIANGLES;
         self.enter_later(Tree::Supplied, mesh.nodes);
     }
 
@@ -92,11 +98,13 @@ impl<'a> Flight<'a> {
         let (state, posed) = prepared.cluster(asset, slot, &mut context.motions);
         self.cache = state.cache;
         let model = asset.model();
-        if let Way::Posed(tree) = &posed.frame.way
-            && let Some(nodes) = prepared.trees[*tree as usize].wide_for(1)
-        {
-            self.enter(Tree::Refitted, nodes);
-            return false;
+        if let Way::Posed(tree) = &posed.frame.way {
+            let tree = &prepared.trees[*tree as usize];
+            tree.count(1);
+            if let Some(nodes) = tree.wide() {
+                self.enter(Tree::Refitted, nodes);
+                return false;
+            }
         }
         let refit_after = if self.is_whole { 0 } else { posed.refit_after };
         let refitted = refit_after != u32::MAX && state.refitted().is_worth_it(refit_after, 1);
