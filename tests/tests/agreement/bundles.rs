@@ -274,6 +274,18 @@ fn assert_exact(name: &str, frame: &Frame, instance: InstanceId) {
     rays.extend(Rays::new(&oracle, 1).take(2_000));
     let hits = assert_alike(name, frame, &rays);
     assert!(hits > 1_000, "{name}: {hits}");
+    // Of one octant, but from anywhere: together, they would meet most of the tree.
+    let bounds = frame.bounds();
+    let mut random = fastrand::Rng::with_seed(4);
+    for _ in 0..6 {
+        let broad: [Ray; 64] = std::array::from_fn(|_| {
+            let target: [f32; 3] =
+                std::array::from_fn(|k| bounds.min[k] + random.f32() * (bounds.max[k] - bounds.min[k]));
+            let direction: [f32; 3] = std::array::from_fn(|_| 0.05 + random.f32());
+            Ray::new(std::array::from_fn(|k| target[k] - 3.0 * direction[k]), direction)
+        });
+        assert_alike(name, frame, &broad);
+    }
     for ray in rays.iter().step_by(71) {
         assert_eq!(
             hit_bits(frame.closest_hit(ray)),
@@ -302,6 +314,20 @@ fn batches_meet_free_motion_and_supplied_geometry_in_every_pose() {
             supplied.set_geometry(rubble, &vertices, &triangles).unwrap();
             assert_exact(&format!("supplied at {time}"), &supplied.commit(), rubble);
         }
+        // What overflows, all above a height of 0.7, is in no tree, and in the next one again.
+        scene.play(vase, 0, 0.0).unwrap();
+        let height = scene.commit().bounds().max[1];
+        assert!(height > 0.8, "{height}");
+        let overflow = Affine {
+            columns: [[2e38, 0.0, 0.0], [0.0, 2e38, 0.0], [0.0, 0.0, 2e38], [0.0, 2e38, 0.0]],
+        };
+        scene.set_transform(vase, overflow).unwrap();
+        let frame = scene.commit();
+        assert!(frame.bounds().max[1].is_finite());
+        let center = frame.bounds().center();
+        frame.closest_hit(&Ray::new([center[0], center[1], f32::MIN], [0.0, 0.0, 1.0]));
+        scene.set_transform(vase, Affine::IDENTITY).unwrap();
+        assert_exact(&format!("{posing:?} after an overflow"), &scene.commit(), vase);
     }
 }
 
