@@ -274,18 +274,6 @@ fn assert_exact(name: &str, frame: &Frame, instance: InstanceId) {
     rays.extend(Rays::new(&oracle, 1).take(2_000));
     let hits = assert_alike(name, frame, &rays);
     assert!(hits > 1_000, "{name}: {hits}");
-    // Of one octant, but from anywhere: together, they would meet most of the tree.
-    let bounds = frame.bounds();
-    let mut random = fastrand::Rng::with_seed(4);
-    for _ in 0..6 {
-        let broad: [Ray; 64] = std::array::from_fn(|_| {
-            let target: [f32; 3] =
-                std::array::from_fn(|k| bounds.min[k] + random.f32() * (bounds.max[k] - bounds.min[k]));
-            let direction: [f32; 3] = std::array::from_fn(|_| 0.05 + random.f32());
-            Ray::new(std::array::from_fn(|k| target[k] - 3.0 * direction[k]), direction)
-        });
-        assert_alike(name, frame, &broad);
-    }
     for ray in rays.iter().step_by(71) {
         assert_eq!(
             hit_bits(frame.closest_hit(ray)),
@@ -327,6 +315,35 @@ fn batches_meet_free_motion_and_supplied_geometry_in_every_pose() {
             assert_exact(&format!("supplied at {time}"), &supplied.commit(), rubble);
         }
     }
+}
+
+/// Almost parallel, through half of the box: narrow enough for the scene's tree, which has one node, and not for one of more than
+/// ten thousand.
+#[test]
+fn bundles_that_are_too_broad_for_supplied_geometry_go_one_by_one() {
+    let mut random = fastrand::Rng::with_seed(4);
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for first in (0..60_000u32).map(|triangle| 3 * triangle) {
+        let center: [f32; 3] = std::array::from_fn(|_| random.f32());
+        positions.extend((0..3).map(|_| center.map(|x| x + 0.02 * random.f32())));
+        triangles.push([first, first + 1, first + 2]);
+    }
+    let mut scene = Scene::new();
+    let rubble = scene.add_geometry();
+    scene.set_geometry(rubble, &positions, &triangles).unwrap();
+    let frame = scene.commit();
+    // So many that the wide tree pays.
+    let mut hits = vec![None; 128 * 128];
+    frame.closest_hits(&camera(&frame, 128, [0.1, 0.2, 1.4]), &mut hits);
+    let mut found = 0;
+    for _ in 0..20 {
+        let broad: [Ray; 64] = std::array::from_fn(|_| {
+            let direction = [0.001, 0.002, 1.0 + 0.001 * random.f32()];
+            Ray::new([0.72 * random.f32(), 0.72 * random.f32(), -1.0], direction)
+        });
+        found += assert_alike("broad", &frame, &broad);
+    }
+    assert!(found > 600, "{found}");
 }
 
 /// Making a wide tree takes tasks of other threads, whose rays must not wait for it.
