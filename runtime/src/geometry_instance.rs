@@ -1,7 +1,7 @@
 use crate::{
     Aabb, Affine, PoseError,
     box_tree::{BoxTree, triangle_box},
-    posed_mesh::PosedMesh,
+    posed_mesh::{PosedMesh, corners},
     posed_tree::PosedTree,
 };
 use restpose_formats::rows::{TriangleRow, WideChild};
@@ -80,12 +80,7 @@ impl GeometryInstance {
             self.posed.extend(self.positions.iter().map(pose));
         }
         let (posed, triangles) = (&self.posed, &self.triangles);
-        let corners = |triangle: u32| {
-            triangles[triangle as usize]
-                .corners
-                .map(|corner| posed[corner as usize])
-        };
-        let bound = |triangle| triangle_box(corners(triangle));
+        let bound = |triangle| triangle_box(corners(triangles, posed, triangle));
         self.tree.rebuild(0..triangles.len() as u32, bound);
     }
 
@@ -137,8 +132,6 @@ impl GeometryInstance {
     /// World space.
     #[inline]
     pub(crate) fn posed_triangle(&self, triangle: u32) -> [[f32; 3]; 3] {
-        self.triangles[triangle as usize]
-            .corners
-            .map(|corner| self.posed[corner as usize])
+        corners(&self.triangles, &self.posed, triangle)
     }
 }

@@ -13,12 +13,7 @@ pub(crate) struct PosedMesh<'a> {
 impl PosedMesh<'_> {
     #[inline(always)]
     pub(crate) fn corners(&self, triangle: u32) -> [[f32; 3]; 3] {
-        let [a, b, c] = self.triangles[triangle as usize].corners;
-        [
-            self.positions[a as usize],
-            self.positions[b as usize],
-            self.positions[c as usize],
-        ]
+        corners(self.triangles, self.positions, triangle)
     }
 
     /// Asks for what [`Self::corners`] reads.
@@ -28,4 +23,11 @@ impl PosedMesh<'_> {
             prefetch(std::slice::from_ref(&self.positions[corner as usize]));
         }
     }
+}
+
+/// Where the corners of a triangle are.
+#[inline(always)]
+pub(crate) fn corners(triangles: &[TriangleRow], positions: &[[f32; 3]], triangle: u32) -> [[f32; 3]; 3] {
+    let [a, b, c] = triangles[triangle as usize].corners;
+    [positions[a as usize], positions[b as usize], positions[c as usize]]
 }

@@ -120,21 +120,21 @@ impl Bins {
         let blocks = count.div_ceil(8);
         let mut least = [infinity; 3];
         for axis in 0..3 {
+            // Primitives in the bins below each border, and in all.
             let mut below = [0.0; MOST_BINS + 8];
             let bins = self.boxes[axis].as_chunks::<8>().0;
             let costs = &mut self.costs[axis];
             costs[0] = f32::INFINITY;
             let (mut union, mut number) = (EightBoxes::empty(simd), 0);
             for block in 0..blocks {
-                let mut counted = [0.0; 8];
                 for lane in 0..8 {
-                    below[8 * block + lane] = number as f32;
                     number += bins[block][lane].count();
-                    counted[lane] = number as f32;
+                    below[8 * block + lane + 1] = number as f32;
                 }
+                let counted = simd.load8(below[8 * block + 1..].first_chunk().unwrap());
                 let boxes = EightBoxes::load(simd, &bins[block]);
                 let joined = boxes.joined_below(simd).joined(simd, union);
-                let cost = simd.mul8(simd.load8(&counted), joined.half_areas(simd, scale));
+                let cost = simd.mul8(counted, joined.half_areas(simd, scale));
                 simd.store8(cost, costs[8 * block + 1..].first_chunk_mut().unwrap());
                 union = joined.only_lane(simd, 7);
             }
@@ -168,6 +168,7 @@ impl Bins {
         None
     }
 
+    /// [`Self::best_border`] where no two blocks have to be joined: without it, builds take 2.5 to 4 % longer.
     #[inline(always)]
     fn best_of_eight<S: Lanes>(&self, simd: S, scale: S::F4, limit: f32) -> Option<Border> {
         let scale = simd.join(scale, scale);

@@ -178,6 +178,7 @@ impl<F: Fn(u32) -> u32 + Sync> Source<'_, F> {
             }
             level = below;
         }
+        // The same nodes in the same places, without a copy.
         if rayon::current_num_threads() == 1 {
             for own in level {
                 nodes[own.parent as usize].children[own.place as usize] = WideChild::Node(nodes.len() as u32).pack();
